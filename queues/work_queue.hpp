@@ -1,0 +1,165 @@
+/// The contract of a work queue: what it does, what it claims, and the face the renderer sees.
+///
+/// A work queue is a class template over its element. It has a constructor and two methods:
+///
+///     template <class T>
+///     class MyQueue {
+///      public:
+///       static constexpr std::string_view summary = "one line for `irt list`";
+///       static constexpr irt::Claims claims{.ordering = irt::Ordering::fifo_real_time, ...};
+///
+///       MyQueue(unsigned workers, std::size_t capacity);
+///       bool push(unsigned worker, T task);    // false only where a bounded queue is full
+///       bool pop(unsigned worker, T& task);    // false for empty; `task` is then unchanged
+///     };
+///
+/// `worker`, in [0, workers), says on whose behalf the call is made. At any moment at most one
+/// thread acts for a worker, and when another thread takes over, the hand-over happens-before its
+/// first call. A queue may therefore keep unsynchronised state per worker.
+///
+/// `capacity` is a hint in elements: a bounded queue holds at least that many, an unbounded one
+/// may ignore it.
+///
+/// Elements are trivially copyable words of at most eight bytes. Construction and destruction are
+/// single-threaded; a queue may be destroyed while it still holds elements.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <type_traits>
+
+namespace irt {
+
+/// The order in which elements leave, from the weakest promise to the strongest.
+enum class Ordering : std::uint8_t {
+  unordered,          ///< every element leaves exactly once, in any order
+  per_producer_fifo,  ///< elements that one worker pushed leave in the order it pushed them
+  k_relaxed_fifo,     ///< an element leaves among the `Claims::relaxation` + 1 oldest
+  /// Linearizable to a FIFO queue if only happens-before orders the calls: `pop` may answer
+  /// *empty* while a push that has returned is not yet visible to this thread.
+  fifo_happens_before,
+  /// Linearizable to a FIFO queue in real time: `pop` answers *empty* only if at some moment
+  /// between its call and its return the queue held nothing (Herlihy and Wing 1990).
+  fifo_real_time,
+};
+
+/// What a stalled thread can do to the others (Herlihy and Shavit, chapter 3).
+enum class Progress : std::uint8_t {
+  blocking,          ///< a stalled thread may stop the others
+  obstruction_free,  ///< a thread that runs alone finishes
+  lock_free,         ///< some thread always finishes
+  wait_free,         ///< every thread finishes in a bounded number of its own steps
+};
+
+/// Who may call a method at the same time.
+enum class Callers : std::uint8_t {
+  one,   ///< one thread at a time over all workers
+  many,  ///< any number of workers at once
+  /// Any number of workers at once, each on a queue of its own: what is pushed for worker `w`
+  /// is popped only by worker `w`.
+  own_worker,
+};
+
+/// When the memory of an element that has left is used again or returned.
+enum class Reclamation : std::uint8_t {
+  immediate,        ///< at once, under a lock or by the only owner
+  hazard_pointers,  ///< when no thread's hazard pointer names it (Michael 2004)
+  epochs,           ///< when every thread has passed the epoch in which it was retired
+  free_list,        ///< kept for reuse, returned when the queue is destroyed
+  preallocated,     ///< a fixed array: nothing is allocated after construction
+  at_destruction,   ///< never reused before the queue is destroyed: memory grows with every push
+  library,          ///< the library's own scheme, taken as it comes
+};
+
+/// What the author of a queue promises. The suites test each line; none is taken on trust.
+struct Claims {
+  Ordering ordering = Ordering::unordered;
+  std::uint64_t relaxation = 0;  ///< k of `k_relaxed_fifo`, in elements; 0 for other orderings
+  Progress push = Progress::blocking;
+  Progress pop = Progress::blocking;
+  bool bounded = false;  ///< `push` answers false when `capacity` elements are held
+  Callers producers = Callers::many;
+  Callers consumers = Callers::many;
+  Reclamation reclamation = Reclamation::immediate;
+  bool needs_cas2 = false;  ///< uses a 16-byte compare-and-swap
+};
+
+/// `Q` is a work queue of `T`.
+template <class Q, class T>
+concept WorkQueueOf = std::is_trivially_copyable_v<T> && sizeof(T) <= sizeof(std::uint64_t) &&
+                      std::constructible_from<Q, unsigned, std::size_t>&& requires(Q& queue,
+                                                                                   unsigned worker,
+                                                                                   T task) {
+  { queue.push(worker, task) } -> std::same_as<bool>;
+  { queue.pop(worker, task) } -> std::same_as<bool>;
+  { Q::claims } -> std::convertible_to<const Claims&>;
+  { Q::summary } -> std::convertible_to<std::string_view>;
+};
+
+/// `Q` is a work queue for every element the testbed uses: tasks (pointers) and tagged integers.
+template <template <class> class Q>
+concept WorkQueue = WorkQueueOf < Q<void*>,
+void* > &&WorkQueueOf<Q<std::uint64_t>, std::uint64_t>;
+
+/// The type-erased face of a queue of `T`: one virtual call per operation.
+template <class T>
+class AnyWorkQueue {
+ public:
+  AnyWorkQueue() = default;
+  AnyWorkQueue(const AnyWorkQueue&) = delete;
+  AnyWorkQueue& operator=(const AnyWorkQueue&) = delete;
+  virtual ~AnyWorkQueue() = default;
+
+  /// Adds `task` on behalf of `worker`. False only where a bounded queue is full.
+  virtual bool push(unsigned worker, T task) = 0;
+
+  /// Takes a task on behalf of `worker`. False for *empty*, in the sense of the queue's claims.
+  virtual bool pop(unsigned worker, T& task) = 0;
+};
+
+/// The face of the concrete queue `Q`.
+template <class T, WorkQueueOf<T> Q>
+class WorkQueueFace final : public AnyWorkQueue<T> {
+ public:
+  WorkQueueFace(unsigned workers, std::size_t capacity) : queue_(workers, capacity) {}
+
+  bool push(unsigned worker, T task) override { return queue_.push(worker, task); }
+  bool pop(unsigned worker, T& task) override { return queue_.pop(worker, task); }
+
+ private:
+  Q queue_;
+};
+
+/// A queue by name, as the tools see it.
+struct QueueEntry {
+  std::string_view name;     ///< on the command line: lower case, words joined by '-'
+  std::string_view summary;  ///< one line
+  Claims claims;
+  std::unique_ptr<AnyWorkQueue<void*>> (*make_task_queue)(unsigned workers, std::size_t capacity);
+  std::unique_ptr<AnyWorkQueue<std::uint64_t>> (*make_word_queue)(unsigned workers,
+                                                                  std::size_t capacity);
+};
+
+/// The entry of `Q` under `name`.
+template <template <class> class Q>
+requires WorkQueue<Q>
+constexpr QueueEntry queue_entry(std::string_view name) {
+  return {
+      .name = name,
+      .summary = Q<void*>::summary,
+      .claims = Q<void*>::claims,
+      .make_task_queue = [](unsigned workers,
+                            std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<void*>> {
+        return std::make_unique<WorkQueueFace<void*, Q<void*>>>(workers, capacity);
+      },
+      .make_word_queue = [](unsigned workers,
+                            std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
+        return std::make_unique<WorkQueueFace<std::uint64_t, Q<std::uint64_t>>>(workers, capacity);
+      },
+  };
+}
+
+}  // namespace irt

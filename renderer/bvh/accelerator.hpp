@@ -1,0 +1,58 @@
+/// What every acceleration structure answers: the first hit, and whether there is any.
+///
+/// All structures give the same answer to the last bit. Two rules make that provable:
+///  - Of several triangles at the same distance the one with the lowest index is hit.
+///  - A hit's distance is clamped to the slab interval of the triangle's own bounding box, which
+///    is computed by the same monotone operations as that of any box around it. So an ancestor
+///    that does not contain the hit's distance cannot exist, whatever the tree and its order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "renderer/scene/scene.hpp"
+#include "renderer/tracing/rays.hpp"
+
+namespace irt {
+
+/// Time that one call spent walking the structure and in triangle tests (thesis, table 5.4).
+struct TraceProfile {
+  std::uint64_t traverse_ns = 0;
+  std::uint64_t intersect_ns = 0;
+};
+
+/// A built structure over one mesh, which must outlive it. Queries are const and thread-safe.
+class Accelerator {
+ public:
+  Accelerator() = default;
+  Accelerator(const Accelerator&) = delete;
+  Accelerator& operator=(const Accelerator&) = delete;
+  virtual ~Accelerator() = default;
+
+  /// The first triangle that each of `rays` meets, in the lanes [0, rays.size) of `hits`.
+  /// With a `profile`, the call is timed and the time added to it; that is slower.
+  virtual void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile = nullptr) const = 0;
+
+  /// Per ray of `rays`, 1 where some triangle is met before `t_max`, else 0. `occluded` has at
+  /// least `rays.size` elements.
+  virtual void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
+                       TraceProfile* profile = nullptr) const = 0;
+
+  /// Bytes that the structure occupies beside the mesh.
+  virtual std::size_t memory_bytes() const = 0;
+};
+
+/// A structure by name, as the tools see it.
+struct AcceleratorEntry {
+  std::string_view name;
+  std::string_view summary;
+  std::unique_ptr<Accelerator> (*build)(const Mesh& mesh);
+};
+
+/// All structures, the default first.
+std::span<const AcceleratorEntry> accelerators();
+
+}  // namespace irt
