@@ -1,0 +1,67 @@
+# How a queue joins the testbed: one header, one line.
+#
+#   irt_add_queue(<name> <header> <class> [REQUIRES <imported target>... [PACKAGE <Debian package>]])
+#
+# registers the class template <class> of <header> (relative to the calling CMakeLists.txt) as the
+# queue <name>. Where a required target does not exist the queue is off, with one status line.
+#
+#   irt_for_each_queue(<template> <out-var> [QUEUES <name>...])
+#
+# instantiates a source template once per registered queue (or per queue named) and appends the
+# generated files to <out-var>. The template may use @QUEUE_NAME@, @QUEUE_IDENTIFIER@ (the name with
+# '_' for '-'), @QUEUE_HEADER@ (as in #include "...") and @QUEUE_CLASS@.
+#
+# What links a queue's concrete type links the interface library `irt_queue_<name>`, or
+# `irt_queue_headers` for all of them. The global property IRT_QUEUES lists the names in the order
+# of registration, which is the order on the command line.
+
+function(irt_add_queue name header class)
+  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "PACKAGE" "REQUIRES")
+  if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
+    message(FATAL_ERROR "queue '${name}': a name is lower-case words joined by '-'")
+  endif()
+  get_property(queues GLOBAL PROPERTY IRT_QUEUES)
+  if(name IN_LIST queues)
+    message(FATAL_ERROR "queue '${name}' is registered twice; names are unique")
+  endif()
+  cmake_path(ABSOLUTE_PATH header NORMALIZE)
+  if(NOT EXISTS ${header})
+    message(FATAL_ERROR "queue '${name}': no header ${header}")
+  endif()
+  foreach(target IN LISTS ARG_REQUIRES)
+    if(NOT TARGET ${target})
+      message(STATUS "queue ${name}: off, ${target} not found (${ARG_PACKAGE})")
+      return()
+    endif()
+  endforeach()
+
+  cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_property(GLOBAL APPEND PROPERTY IRT_QUEUES ${name})
+  set_property(GLOBAL PROPERTY IRT_QUEUE_HEADER_${name} ${header})
+  set_property(GLOBAL PROPERTY IRT_QUEUE_CLASS_${name} ${class})
+
+  add_library(irt_queue_${name} INTERFACE)
+  target_link_libraries(irt_queue_${name} INTERFACE irt_options Threads::Threads ${ARG_REQUIRES})
+  if(NOT TARGET irt_queue_headers)
+    add_library(irt_queue_headers INTERFACE)
+  endif()
+  target_link_libraries(irt_queue_headers INTERFACE irt_queue_${name})
+endfunction()
+
+function(irt_for_each_queue template out_var)
+  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "" "QUEUES")
+  if(NOT ARG_QUEUES)
+    get_property(ARG_QUEUES GLOBAL PROPERTY IRT_QUEUES)
+  endif()
+  cmake_path(GET template STEM LAST_ONLY suffix)  # `entry.cpp` of `entry.cpp.in`
+  set(sources ${${out_var}})
+  foreach(QUEUE_NAME IN LISTS ARG_QUEUES)
+    get_property(QUEUE_HEADER GLOBAL PROPERTY IRT_QUEUE_HEADER_${QUEUE_NAME})
+    get_property(QUEUE_CLASS GLOBAL PROPERTY IRT_QUEUE_CLASS_${QUEUE_NAME})
+    string(REPLACE "-" "_" QUEUE_IDENTIFIER ${QUEUE_NAME})
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${QUEUE_IDENTIFIER}_${suffix})
+    configure_file(${template} ${source} @ONLY)
+    list(APPEND sources ${source})
+  endforeach()
+  set(${out_var} ${sources} PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,131 @@
+/// LFREE: Michael and Scott's lock-free queue (the thesis' listing 7.3; Michael and Scott 1996,
+/// "Simple, Fast, and Practical Non-Blocking and Blocking Concurrent Queue Algorithms", figure 1),
+/// with hazard pointers.
+///
+/// When to use: a stopped thread must not stop the others. When not: many cores push and pop at
+/// once, for then most compare-and-swaps fail and are repeated.
+///
+/// Ordering: FIFO in real time; *empty* is true at the moment `pop` reads `next`. Progress:
+/// lock-free, apart from the allocator. Memory: one node per task; nodes that have left wait for
+/// hazard pointers, see there for the bound. Unbounded.
+///
+/// How it works: a linked list behind a sentinel. A push links its node behind the last one and
+/// then moves `tail_`, or lets any other thread do it. A pop moves `head_` one node on; the node it
+/// arrives at is the new sentinel and has the task.
+///
+/// What differs from the listing, and why:
+/// - Nodes are retired, not deleted. The listing deletes the old sentinel although other threads
+/// may
+///   be about to read its `next`: use after free. And once its memory is a node again, a delayed
+///   compare-and-swap takes it for the old one (ABA) and cuts the list.
+/// - Each pointer is validated by `HazardPointers` where the listing re-reads `head` or `tail`.
+/// - *Empty* needs no look at `tail_`: while a sentinel has no `next`, `head_` cannot have left it.
+/// - All shared fields are atomic, with the weakest orders that do.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <string_view>
+
+#include "queues/cache_line.hpp"
+#include "queues/reclamation/hazard_pointers.hpp"
+#include "queues/work_queue.hpp"
+
+namespace irt {
+
+template <class T>
+class MichaelScottQueue {
+ public:
+  static constexpr std::string_view summary =
+      "LFREE (thesis 7.3): Michael and Scott's queue, hazard pointers";
+  static constexpr Claims claims{.ordering = Ordering::fifo_real_time,
+                                 .push = Progress::lock_free,
+                                 .pop = Progress::lock_free,
+                                 .reclamation = Reclamation::hazard_pointers};
+
+  /// Nodes are reclaimed in batches no larger than `capacity`: who expects few tasks gets few
+  /// nodes held back.
+  MichaelScottQueue(unsigned workers, std::size_t capacity)
+      : hazards_(workers, std::min<std::size_t>(capacity, std::max(64U, 4 * workers))) {}
+  MichaelScottQueue(const MichaelScottQueue&) = delete;
+  MichaelScottQueue& operator=(const MichaelScottQueue&) = delete;
+
+  ~MichaelScottQueue() {
+    // relaxed, twice: destruction is single-threaded
+    Node* node = head_.load(std::memory_order_relaxed);
+    while (node != nullptr) {
+      Node* next = node->next.load(std::memory_order_relaxed);
+      delete node;
+      node = next;
+    }
+  }
+
+  /// Adds `task` at the back. Lock-free. Always true.
+  bool push(unsigned worker, T task) {
+    Node* node = new Node{task};
+    for (;;) {
+      Node* last = hazards_.protect(worker, 0, tail_);
+      // (1) acquire: pairs with (2), so that the node we may move `tail_` to is whole for whoever
+      // then reads it from there
+      Node* next = last->next.load(std::memory_order_acquire);
+      if (next != nullptr) {
+        move_tail(last, next);
+        continue;
+      }
+      // (2) seq_cst: as a release it pairs with (1) and (3); and with the seq_cst load (3) it is
+      // what makes *empty* true in real time. relaxed on failure: nothing was read but a change
+      if (last->next.compare_exchange_strong(next, node, std::memory_order_seq_cst,
+                                             std::memory_order_relaxed)) {
+        move_tail(last, node);
+        return true;
+      }
+    }
+  }
+
+  /// Takes the oldest task; false if there is none. Lock-free.
+  bool pop(unsigned worker, T& task) {
+    for (;;) {
+      Node* first = hazards_.protect(worker, 0, head_);
+      // (3) seq_cst: pairs with (2)
+      Node* next = first->next.load(std::memory_order_seq_cst);
+      if (next == nullptr) return false;
+      if (!hazards_.publish(worker, 1, next, head_, first)) continue;
+      // `tail_` must have left `first` before `head_` does, or a push would find a freed node.
+      // (4) acquire: pairs with (5), so that this happens before retire()
+      if (tail_.load(std::memory_order_acquire) == first) {
+        move_tail(first, next);
+        continue;
+      }
+      const T taken = next->task;
+      // (6) release: pairs with the load in protect(), which acquires: whoever reads `next` there
+      // finds the node whole, and `tail_` no further back than (4) has seen it.
+      // relaxed on failure: nothing is read
+      Node* expected = first;
+      if (head_.compare_exchange_strong(expected, next, std::memory_order_release,
+                                        std::memory_order_relaxed)) {
+        task = taken;
+        hazards_.retire(worker, first);
+        return true;
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    T task{};
+    std::atomic<Node*> next{nullptr};
+  };
+
+  void move_tail(Node* from, Node* to) {
+    // (5) release: pairs with (4), and with the load in protect(), which acquires, so that `to` is
+    // whole for who reads it from `tail_`. relaxed on failure: another thread has done it
+    tail_.compare_exchange_strong(from, to, std::memory_order_release, std::memory_order_relaxed);
+  }
+
+  HazardPointers<Node, 2> hazards_;
+  alignas(cache_line_pair) std::atomic<Node*> head_{new Node};
+  alignas(cache_line_pair) std::atomic<Node*> tail_{head_.load(std::memory_order_relaxed)};
+};
+
+}  // namespace irt

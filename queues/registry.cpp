@@ -1,0 +1,94 @@
+#include "queues/registry.hpp"
+
+#include <algorithm>
+#include <dlfcn.h>
+#include <string>
+
+#include "queues/nearest.hpp"
+#include "queues/plugin.hpp"
+
+namespace irt {
+
+namespace built_in {
+#define IRT_QUEUE(identifier) QueueEntry identifier();
+#include "built_in_queues.inc"
+#undef IRT_QUEUE
+}  // namespace built_in
+
+std::span<const QueueEntry> built_in_queues() {
+  static const std::vector<QueueEntry> entries{
+#define IRT_QUEUE(identifier) built_in::identifier(),
+#include "built_in_queues.inc"
+#undef IRT_QUEUE
+  };
+  return entries;
+}
+
+namespace {
+
+/// What keeps `descriptor` from being used here; empty if nothing does.
+std::string mismatch(const PluginDescriptor& descriptor) {
+  if (descriptor.magic != plugin_magic)
+    return std::string("its symbol '") + plugin_symbol + "' is no iRT descriptor";
+  if (descriptor.abi_version != plugin_abi_version)
+    return "built for plug-in ABI " + std::to_string(descriptor.abi_version) + ", this tool has " +
+           std::to_string(plugin_abi_version);
+  if (descriptor.descriptor_bytes != sizeof(PluginDescriptor) ||
+      descriptor.entry_bytes != sizeof(QueueEntry) || descriptor.claims_bytes != sizeof(Claims))
+    return "its structures have other sizes than this tool's";
+  if (descriptor.standard_library != plugin_standard_library)
+    return std::string("built with another C++ standard library than ") +
+           plugin_standard_library.data();
+  const QueueEntry& entry = descriptor.entry;
+  if (entry.name.empty() || entry.make_task_queue == nullptr || entry.make_word_queue == nullptr)
+    return "its descriptor has no name or no factory";
+  return {};
+}
+
+}  // namespace
+
+QueueRegistry::QueueRegistry() : entries_(built_in_queues().begin(), built_in_queues().end()) {}
+
+const QueueEntry* QueueRegistry::find(std::string_view name) const {
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [name](const QueueEntry& entry) { return entry.name == name; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+const QueueEntry& QueueRegistry::at(std::string_view name) const {
+  if (const QueueEntry* entry = find(name)) return *entry;
+  std::vector<std::string_view> names;
+  names.reserve(entries_.size());
+  for (const QueueEntry& entry : entries_) names.push_back(entry.name);
+  throw RegistryError(unknown_name("queue", name, names));
+}
+
+const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
+  const auto refuse = [&file](const std::string& why) {
+    return RegistryError("plug-in '" + file.string() + "': " + why +
+                         "; expected a shared object built by irt_add_plugin()");
+  };
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) throw refuse("no such file");
+  if (std::filesystem::is_directory(status)) throw refuse("is a directory");
+
+  // An absolute path, since a bare name would be looked up in the system's library folders.
+  void* object = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (object == nullptr) throw refuse(dlerror());
+  const auto* descriptor = static_cast<const PluginDescriptor*>(dlsym(object, plugin_symbol));
+  const std::string why = descriptor == nullptr
+                              ? std::string("has no symbol '") + plugin_symbol + "'"
+                              : mismatch(*descriptor);
+  if (!why.empty()) {
+    dlclose(object);
+    throw refuse(why);
+  }
+  if (find(descriptor->entry.name) != nullptr)
+    throw RegistryError("plug-in '" + file.string() + "': a queue named '" +
+                        std::string(descriptor->entry.name) +
+                        "' is there already; give the plug-in another name");
+  return entries_.emplace_back(descriptor->entry);
+}
+
+}  // namespace irt

@@ -1,0 +1,150 @@
+/// A short meeting of several threads: every element leaves exactly once, and in the order its
+/// queue claims as far as one thread can tell.
+#include <atomic>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "tests/queues/every_queue.hpp"
+
+namespace irt {
+namespace {
+
+using Threads = EveryQueue;
+
+constexpr unsigned shift = 32;  // an element is its producer above and its number below
+
+struct Seen {
+  std::vector<std::uint64_t> words;  // in the order one consumer took them
+};
+
+/// `producers` and `consumers` are counts of workers; worker w both pushes and pops if w is below
+/// both. Returns what each worker popped.
+std::vector<Seen> meet(AnyWorkQueue<std::uint64_t>& queue, unsigned producers, unsigned consumers,
+                       std::uint64_t each) {
+  const unsigned workers = std::max(producers, consumers);
+  const std::uint64_t total = producers * each;
+  std::atomic<std::uint64_t> popped{0};
+  std::atomic<unsigned> ready{0};
+  std::vector<Seen> seen(workers);
+  std::vector<std::thread> threads;
+  for (unsigned worker = 0; worker < workers; ++worker)
+    threads.emplace_back([&, worker] {
+      ++ready;
+      while (ready < workers) std::this_thread::yield();
+      std::uint64_t pushed = worker < producers ? 0 : each;
+      while (pushed < each || (worker < consumers && popped < total)) {
+        bool idle = true;
+        // Bursts, so that the queue is now empty and now long.
+        for (int burst = 0; burst < 7 && pushed < each; ++burst)
+          if (queue.push(worker, std::uint64_t{worker} << shift | pushed)) {
+            ++pushed;
+            idle = false;
+          }
+        std::uint64_t word = 0;
+        for (int burst = 0; burst < 7 && worker < consumers && queue.pop(worker, word); ++burst) {
+          seen[worker].words.push_back(word);
+          ++popped;
+          idle = false;
+        }
+        if (idle) std::this_thread::yield();
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  return seen;
+}
+
+void expect_each_once(const std::vector<Seen>& seen, unsigned producers, std::uint64_t each) {
+  std::vector<std::vector<unsigned>> times(producers, std::vector<unsigned>(each, 0));
+  for (const Seen& mine : seen)
+    for (const std::uint64_t word : mine.words) {
+      ASSERT_LT(word >> shift, producers) << "never pushed";
+      ASSERT_LT(word & 0xffff'ffff, each) << "never pushed";
+      ++times[word >> shift][word & 0xffff'ffff];
+    }
+  for (const auto& of_producer : times)
+    for (const unsigned count : of_producer) ASSERT_EQ(count, 1U) << "lost or doubled";
+}
+
+void expect_producer_order(const std::vector<Seen>& seen, unsigned producers) {
+  for (const Seen& mine : seen) {
+    std::vector<std::uint64_t> next(producers, 0);
+    for (const std::uint64_t word : mine.words) {
+      ASSERT_GE(word & 0xffff'ffff, next[word >> shift]) << "overtaken";
+      next[word >> shift] = (word & 0xffff'ffff) + 1;
+    }
+  }
+}
+
+void check(const QueueEntry& entry, unsigned producers, unsigned consumers, std::size_t capacity) {
+  constexpr std::uint64_t each = 20'000;
+  const auto queue = entry.make_word_queue(std::max(producers, consumers), capacity);
+  const std::vector<Seen> seen = meet(*queue, producers, consumers, each);
+  expect_each_once(seen, producers, each);
+  const Ordering ordering = entry.claims.ordering;
+  if (ordering != Ordering::unordered && ordering != Ordering::k_relaxed_fifo)
+    expect_producer_order(seen, producers);
+  std::uint64_t word = 0;
+  for (unsigned worker = 0; worker < consumers; ++worker) EXPECT_FALSE(queue->pop(worker, word));
+}
+
+TEST_P(Threads, all_push_and_pop) {
+  if (GetParam().claims.producers == Callers::one || GetParam().claims.consumers == Callers::one)
+    GTEST_SKIP() << "claims one caller at a time";
+  check(GetParam(), 4, 4, 4096);
+}
+
+// A small capacity keeps a bounded queue full and makes hazard pointers scan at almost every pop.
+TEST_P(Threads, all_push_and_pop_with_little_room) {
+  if (GetParam().claims.producers == Callers::one || GetParam().claims.consumers == Callers::one)
+    GTEST_SKIP() << "claims one caller at a time";
+  check(GetParam(), 3, 3, 2);
+}
+
+TEST_P(Threads, many_push_one_pops) {
+  if (GetParam().claims.producers != Callers::many) GTEST_SKIP() << "claims fewer producers";
+  check(GetParam(), 4, 1, 64);
+}
+
+TEST_P(Threads, one_pushes_many_pop) {
+  if (GetParam().claims.consumers != Callers::many) GTEST_SKIP() << "claims fewer consumers";
+  check(GetParam(), 1, 4, 64);
+}
+
+TEST_P(Threads, one_pushes_one_pops) {
+  if (GetParam().claims.consumers == Callers::own_worker)
+    GTEST_SKIP() << "each worker has a queue of its own";
+  check(GetParam(), 1, 1, 64);
+}
+
+// The renderer's use: the application deals for all workers, then the workers take over.
+TEST_P(Threads, a_dealer_hands_over) {
+  constexpr unsigned workers = 3;
+  const auto queue = GetParam().make_word_queue(workers, 1024);
+  for (int frame = 0; frame < 50; ++frame) {
+    for (std::uint64_t word = 0; word < 300; ++word)
+      ASSERT_TRUE(queue->push(static_cast<unsigned>(word % workers), word));
+    std::vector<std::uint64_t> sums(workers, 0);
+    std::atomic<unsigned> left{300};
+    std::vector<std::thread> threads;
+    const unsigned poppers = GetParam().claims.consumers == Callers::one ? 1 : workers;
+    for (unsigned worker = 0; worker < poppers; ++worker)
+      threads.emplace_back([&, worker] {
+        std::uint64_t word = 0;
+        while (left > 0)
+          if (queue->pop(worker, word)) {
+            sums[worker] += word;
+            --left;
+          }
+      });
+    for (std::thread& thread : threads) thread.join();
+    std::uint64_t sum = 0;
+    for (const std::uint64_t of_worker : sums) sum += of_worker;
+    ASSERT_EQ(sum, 300U * 299U / 2);
+  }
+}
+
+IRT_FOR_EVERY_QUEUE(Threads);
+
+}  // namespace
+}  // namespace irt
