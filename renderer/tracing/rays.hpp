@@ -48,19 +48,19 @@ struct Ray {
 
 /// Up to `capacity` rays with what each contributes to the frame.
 struct Rays {
-  explicit Rays(std::uint32_t capacity)
-      : capacity(capacity),
-        origin_x(capacity),
-        origin_y(capacity),
-        origin_z(capacity),
-        direction_x(capacity),
-        direction_y(capacity),
-        direction_z(capacity),
-        t_max(capacity),
-        weight_r(capacity),
-        weight_g(capacity),
-        weight_b(capacity),
-        pixel(capacity) {}
+  explicit Rays(std::uint32_t lanes)
+      : capacity(lanes),
+        origin_x(lanes),
+        origin_y(lanes),
+        origin_z(lanes),
+        direction_x(lanes),
+        direction_y(lanes),
+        direction_z(lanes),
+        t_max(lanes),
+        weight_r(lanes),
+        weight_g(lanes),
+        weight_b(lanes),
+        pixel(lanes) {}
 
   std::uint32_t size = 0;
   std::uint32_t capacity;
