@@ -1,0 +1,87 @@
+#include "stress/history/judge.hpp"
+
+#include <fmt/format.h>
+#include <utility>
+
+#include "stress/history/happens_before.hpp"
+
+namespace irt::stress {
+namespace {
+
+void add(Verdict& verdict, std::optional<Violation> violation) {
+  if (violation) verdict.violations.push_back(std::move(*violation));
+}
+
+void judge_one_queue(const History& history, const Claims& claims, std::size_t capacity,
+                     Verdict& verdict) {
+  const Matching matching(history);
+  for (const Violation& violation : matching.violations()) verdict.violations.push_back(violation);
+
+  const HappensBefore order(matching);
+  add(verdict, order.cycle());
+  if (order.cycle()) return;
+  HappensBefore::Empties empties = order.judge_empties();
+  verdict.refuted_empties += empties.refuted;
+
+  const bool fifo = claims.ordering == Ordering::fifo_happens_before ||
+                    claims.ordering == Ordering::fifo_real_time;
+  if (fifo) {
+    add(verdict, order.judge_order(false));
+    add(verdict, std::move(empties.first));
+    if (claims.bounded) add(verdict, order.judge_full(capacity));
+  }
+  if (claims.ordering == Ordering::fifo_real_time) {
+    for (Violation& violation : judge_real_time(matching)) {
+      verdict.violations.push_back(std::move(violation));
+    }
+    if (claims.bounded) add(verdict, judge_full_real_time(matching, capacity));
+  }
+  if (claims.ordering == Ordering::per_producer_fifo) add(verdict, order.judge_order(true));
+  if (!fifo) {
+    Relaxation relaxation = measure_relaxation(matching);
+    if (claims.ordering == Ordering::k_relaxed_fifo &&
+        relaxation.rank_error.max > claims.relaxation) {
+      Violation violation = *relaxation.worst;
+      violation.text += fmt::format(", and the queue claims at most {}", claims.relaxation);
+      verdict.violations.push_back(std::move(violation));
+    }
+    verdict.relaxation = std::move(relaxation);
+  }
+}
+
+}  // namespace
+
+Verdict judge(const History& history, const Claims& claims, std::size_t capacity) {
+  Verdict verdict;
+  const auto count = [&](const std::vector<Operation>& log) {
+    for (const Operation& operation : log) {
+      verdict.pushes += operation.kind == Kind::push ? 1 : 0;
+      verdict.pops += operation.kind == Kind::pop ? 1 : 0;
+      verdict.empties += operation.kind == Kind::empty ? 1 : 0;
+      verdict.fulls += operation.kind == Kind::full ? 1 : 0;
+    }
+  };
+  for (const auto& log : history.logs) count(log);
+  count(history.drain);
+
+  if (claims.consumers != Callers::own_worker) {
+    judge_one_queue(history, claims, capacity, verdict);
+    return verdict;
+  }
+  for (std::size_t worker = 0; worker < history.logs.size(); ++worker) {
+    History own{.logs = std::vector<std::vector<Operation>>(history.logs.size()),
+                .drain = {},
+                .error = history.error};
+    own.logs[worker] = history.logs[worker];
+    // What others popped of this worker's elements is for their own histories to explain.
+    for (const Operation& operation : history.drain) {
+      if (operation.kind == Kind::pop && producer_of(operation.value) == worker) {
+        own.drain.push_back(operation);
+      }
+    }
+    judge_one_queue(own, claims, capacity, verdict);
+  }
+  return verdict;
+}
+
+}  // namespace irt::stress

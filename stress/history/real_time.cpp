@@ -1,0 +1,308 @@
+#include "stress/history/real_time.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace irt::stress {
+namespace {
+
+/// An open interval during which the queue cannot have been empty.
+struct Cover {
+  Stamp from;
+  Stamp to;
+};
+
+void find_fresh(const Matching& matching, std::vector<Violation>& found) {
+  const Stamp slack = 2 * matching.history().error;
+  for (const auto& lives : matching.lives()) {
+    for (const Life& life : lives) {
+      if (life.push == nullptr || life.pop == nullptr) continue;
+      if (life.pop->returned + slack < life.push->invoked) {
+        found.push_back(
+            {Pattern::fresh,
+             fmt::format("{} was popped before its push began", element_name(life.push->value)),
+             {matching.culprit(*life.pop), matching.culprit(*life.push)}});
+        return;
+      }
+    }
+  }
+}
+
+/// For each b in the order in which pushes began: of all a whose push had returned before, did one
+/// leave only after b had?
+void find_order(const Matching& matching, std::vector<Violation>& found) {
+  const Stamp slack = 2 * matching.history().error;
+  PushesInOrder<&Operation::returned> finished(matching);
+  const Life* latest = nullptr;
+  Stamp latest_pop = 0;
+  for (PushesInOrder<&Operation::invoked> begun(matching); !begun.done();) {
+    const Stamp began = begun.stamp();
+    while (!finished.done() && finished.stamp() + slack < began) {
+      const Life& a = finished.next();
+      if (latest == nullptr || a.pop_invoked() > latest_pop) {
+        latest = &a;
+        latest_pop = a.pop_invoked();
+      }
+    }
+    const Life& b = begun.next();
+    if (b.pop == nullptr || latest == nullptr || b.pop->returned + slack >= latest_pop) continue;
+    Violation violation{
+        Pattern::order,
+        fmt::format("{} left before {}, whose push had returned before the other's "
+                    "began",
+                    element_name(b.push->value), element_name(latest->push->value)),
+        {matching.culprit(*latest->push), matching.culprit(*b.push), matching.culprit(*b.pop)}};
+    if (latest->pop != nullptr) violation.culprits.push_back(matching.culprit(*latest->pop));
+    found.push_back(std::move(violation));
+    return;
+  }
+}
+
+/// The union of the intervals in which single elements were surely inside.
+std::vector<Cover> covers(const Matching& matching) {
+  const Stamp error = matching.history().error;
+  std::vector<Cover> merged;
+  for (PushesInOrder<&Operation::returned> pushes(matching); !pushes.done();) {
+    const Life& life = pushes.next();
+    const Stamp from = life.push->returned + error;
+    const Stamp to = life.pop != nullptr ? life.pop->invoked - error : never;
+    if (from >= to) continue;
+    if (!merged.empty() && from < merged.back().to) {
+      merged.back().to = std::max(merged.back().to, to);
+    } else {
+      merged.push_back({from, to});
+    }
+  }
+  return merged;
+}
+
+/// The few elements whose stays together cover `empty`, longest reach first.
+std::vector<Culprit> covering_chain(const Matching& matching, const Operation& empty) {
+  const Stamp error = matching.history().error;
+  std::vector<Culprit> chain;
+  Stamp reached = empty.invoked - error;
+  const Stamp goal = empty.returned + error;
+  bool first = true;
+  while (first || reached <= goal) {
+    const Life* best = nullptr;
+    for (const auto& lives : matching.lives()) {
+      for (const Life& life : lives) {
+        if (life.push == nullptr || life.push->returned + error >= reached) continue;
+        if (best == nullptr || life.pop_invoked() > best->pop_invoked()) best = &life;
+      }
+    }
+    const Stamp to = best == nullptr        ? 0
+                     : best->pop == nullptr ? never
+                                            : best->pop->invoked - error;
+    if (to <= reached) break;
+    first = false;
+    chain.push_back(matching.culprit(*best->push));
+    if (best->pop != nullptr) chain.push_back(matching.culprit(*best->pop));
+    reached = to;
+  }
+  return chain;
+}
+
+void find_witness(const Matching& matching, std::vector<Violation>& found) {
+  const Stamp error = matching.history().error;
+  const std::vector<Cover> inside = covers(matching);
+  const auto accuse = [&](const Operation& empty) {
+    std::vector<Culprit> culprits = covering_chain(matching, empty);
+    culprits.insert(culprits.begin() + std::min<std::ptrdiff_t>(1, std::ssize(culprits)),
+                    matching.culprit(empty));
+    found.push_back({Pattern::witness,
+                     "pop answered empty although the queue held an element all the while",
+                     std::move(culprits)});
+  };
+  const auto search = [&](const std::vector<Operation>& log) {
+    std::size_t at = 0;
+    for (const Operation& operation : log) {
+      if (operation.kind != Kind::empty) continue;
+      const Stamp from = operation.invoked - error;
+      const Stamp to = operation.returned + error;
+      while (at < inside.size() && inside[at].to <= to) ++at;
+      if (at == inside.size()) return false;
+      if (inside[at].from < from) {
+        accuse(operation);
+        return true;
+      }
+    }
+    return false;
+  };
+  if (search(matching.history().drain)) return;
+  for (const auto& log : matching.history().logs) {
+    if (search(log)) return;
+  }
+}
+
+/// Counts by position, with prefix sums in O(log n) (Fenwick 1994).
+class Counts {
+ public:
+  explicit Counts(std::size_t size) : tree_(size + 1, 0) {}
+  void add(std::size_t position) {
+    for (std::size_t i = position + 1; i < tree_.size(); i += i & (~i + 1)) ++tree_[i];
+  }
+  /// How many were added at positions below `end`.
+  [[nodiscard]] std::uint64_t below(std::size_t end) const {
+    std::uint64_t sum = 0;
+    for (std::size_t i = end; i > 0; i -= i & (~i + 1)) sum += tree_[i];
+    return sum;
+  }
+
+ private:
+  std::vector<std::uint32_t> tree_;
+};
+
+Distances summarise(std::vector<std::uint64_t>& values) {
+  if (values.empty()) return {};
+  Distances d;
+  for (const std::uint64_t v : values) d.mean += static_cast<double>(v);
+  d.mean /= static_cast<double>(values.size());
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
+  std::nth_element(values.begin(), at, values.end());
+  d.p99 = *at;
+  d.max = *std::max_element(at, values.end());
+  return d;
+}
+
+}  // namespace
+
+std::vector<Violation> judge_real_time(const Matching& matching) {
+  std::vector<Violation> found;
+  find_fresh(matching, found);
+  find_order(matching, found);
+  find_witness(matching, found);
+  return found;
+}
+
+std::optional<Violation> judge_full_real_time(const Matching& matching, std::size_t capacity) {
+  struct Change {
+    Stamp at;
+    int by;
+  };
+  const Stamp error = matching.history().error;
+  std::vector<Change> changes;
+  for (const auto& lives : matching.lives()) {
+    for (const Life& life : lives) {
+      if (life.push == nullptr) continue;
+      changes.push_back({life.push->invoked - error, +1});
+      if (life.pop != nullptr) changes.push_back({life.pop->returned + error, -1});
+    }
+  }
+  std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+    return a.at != b.at ? a.at < b.at : a.by > b.by;
+  });
+  // highest[l][i]: the largest possible content after changes i .. i + 2^l - 1.
+  std::vector<std::vector<std::int64_t>> highest(1);
+  std::int64_t content = 0;
+  for (const Change& change : changes) highest[0].push_back(content += change.by);
+  for (std::size_t span = 1; 2 * span <= changes.size(); span *= 2) {
+    const auto& half = highest.back();
+    std::vector<std::int64_t> level(changes.size() - 2 * span + 1);
+    for (std::size_t i = 0; i < level.size(); ++i) level[i] = std::max(half[i], half[i + span]);
+    highest.push_back(std::move(level));
+  }
+  const auto before = [](const Change& change, Stamp at) { return change.at < at; };
+  for (const auto& log : matching.history().logs) {
+    for (const Operation& operation : log) {
+      if (operation.kind != Kind::full) continue;
+      // From the state in force when the call began to the last change before it returned.
+      const auto first =
+          std::lower_bound(changes.begin(), changes.end(), operation.invoked - error, before) -
+          changes.begin();
+      const auto last =
+          std::lower_bound(changes.begin(), changes.end(), operation.returned + error + 1, before) -
+          changes.begin();
+      const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(first - 1, 0));
+      const auto end = static_cast<std::size_t>(last);
+      std::int64_t most = 0;
+      if (end > from) {
+        std::size_t level = 0;
+        while ((std::size_t{2} << level) <= end - from) ++level;
+        most = std::max(highest[level][from], highest[level][end - (std::size_t{1} << level)]);
+      }
+      if (most < static_cast<std::int64_t>(capacity)) {
+        return Violation{Pattern::full,
+                         fmt::format("push answered full although at most {} of {} places can "
+                                     "have been taken",
+                                     most, capacity),
+                         {matching.culprit(operation)}};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+Relaxation measure_relaxation(const Matching& matching) {
+  const Stamp slack = 2 * matching.history().error;
+  std::vector<const Life*> by_push_end;
+  for (PushesInOrder<&Operation::returned> pushes(matching); !pushes.done();) {
+    by_push_end.push_back(&pushes.next());
+  }
+  std::vector<Stamp> pops_invoked;
+  std::vector<Stamp> pops_returned;
+  for (const Life* life : by_push_end) {
+    pops_invoked.push_back(life->pop_invoked());
+    pops_returned.push_back(life->pop_returned());
+  }
+  std::sort(pops_invoked.begin(), pops_invoked.end());
+  std::sort(pops_returned.begin(), pops_returned.end());
+  const auto position = [](const std::vector<Stamp>& sorted, Stamp at) {
+    return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), at) -
+                                    sorted.begin());
+  };
+
+  Relaxation result;
+  std::vector<std::uint64_t> ranks;
+  std::vector<std::uint64_t> overtaken;
+  const Life* worst = nullptr;
+  std::uint64_t worst_rank = 0;
+
+  // Rank of b: the a with push(a) before push(b) that left after b had left.
+  Counts older(pops_invoked.size());
+  std::uint64_t counted = 0;
+  auto a = by_push_end.begin();
+  for (PushesInOrder<&Operation::invoked> begun(matching); !begun.done();) {
+    const Stamp began = begun.stamp();
+    for (; a != by_push_end.end() && (*a)->push->returned + slack < began; ++a, ++counted) {
+      older.add(position(pops_invoked, (*a)->pop_invoked()));
+    }
+    const Life& b = begun.next();
+    if (b.pop == nullptr) continue;
+    const std::size_t gone = position(pops_invoked, b.pop->returned + slack + 1);
+    ranks.push_back(counted - older.below(gone));
+    if (ranks.back() > worst_rank) {
+      worst_rank = ranks.back();
+      worst = &b;
+    }
+  }
+
+  // The mirror image, from the youngest push to the oldest: the b that overtook a.
+  std::vector<const Life*> by_push_begin;
+  for (PushesInOrder<&Operation::invoked> pushes(matching); !pushes.done();) {
+    by_push_begin.push_back(&pushes.next());
+  }
+  Counts younger(pops_returned.size());
+  auto b = by_push_begin.rbegin();
+  for (auto it = by_push_end.rbegin(); it != by_push_end.rend(); ++it) {
+    const Life& life = **it;
+    for (; b != by_push_begin.rend() && (*b)->push->invoked > life.push->returned + slack; ++b) {
+      younger.add(position(pops_returned, (*b)->pop_returned()));
+    }
+    if (life.pop == nullptr) continue;
+    const Stamp left = life.pop->invoked > slack ? life.pop->invoked - slack : 0;
+    overtaken.push_back(younger.below(position(pops_returned, left)));
+  }
+
+  result.rank_error = summarise(ranks);
+  result.overtaken = summarise(overtaken);
+  if (worst != nullptr) {
+    result.worst = Violation{Pattern::rank,
+                             fmt::format("{} left while {} older elements were inside",
+                                         element_name(worst->push->value), worst_rank),
+                             {matching.culprit(*worst->push), matching.culprit(*worst->pop)}};
+  }
+  return result;
+}
+
+}  // namespace irt::stress

@@ -1,0 +1,41 @@
+/// Judges a history by the clock: linearizability to a FIFO queue with exact *empty*, exact
+/// *full*, and how far a relaxed queue strays.
+///
+/// a *precedes* b when a's interval, widened by the clock's error, ends before b's begins;
+/// everything else counts as concurrent. Widening costs power, never justice.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "stress/history/matching.hpp"
+
+namespace irt::stress {
+
+/// The patterns *fresh* (popped before the push began), *order* and *witness* of Henzinger, Sezgin
+/// and Vafeiadis, "Aspect-oriented linearizability proofs" (2013), found by sweeps over the merged
+/// logs in O(n log n). With the exactly-once check of `Matching` the verdict is complete: a history
+/// passes both if and only if it is linearizable (for runs that were drained).
+std::vector<Violation> judge_real_time(const Matching& matching);
+
+/// A *full* is illegal when at every moment of its interval fewer than `capacity` elements can
+/// have been inside. Necessary, not sufficient: it never accuses wrongly, it may miss.
+std::optional<Violation> judge_full_real_time(const Matching& matching, std::size_t capacity);
+
+/// Distances over all popped elements; a distance counts only what the clock proves.
+struct Distances {
+  double mean = 0;
+  std::uint64_t p99 = 0;
+  std::uint64_t max = 0;
+};
+struct Relaxation {
+  Distances rank_error;            ///< older elements still inside when an element left
+  Distances overtaken;             ///< younger elements that left before an element
+  std::optional<Violation> worst;  ///< the pop with the largest rank error
+};
+
+/// Measures relaxation in O(n log n).
+Relaxation measure_relaxation(const Matching& matching);
+
+}  // namespace irt::stress

@@ -1,0 +1,217 @@
+// Hand-made histories, good and bad, for every oracle.
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "hand_made.hpp"
+#include "stress/history/happens_before.hpp"
+#include "stress/history/judge.hpp"
+
+namespace irt::stress {
+namespace {
+
+constexpr Element a0 = element(0, 0);
+constexpr Element a1 = element(0, 1);
+constexpr Element b0 = element(1, 0);
+
+Claims claims(Ordering ordering) {
+  return {.ordering = ordering};
+}
+
+bool accuses(const Verdict& verdict, Pattern pattern) {
+  return std::any_of(verdict.violations.begin(), verdict.violations.end(),
+                     [=](const Violation& v) { return v.pattern == pattern; });
+}
+
+TEST(ExactlyOnce, AcceptsARunInOrder) {
+  const History h = history({{push(a0, 0, 1), push(a1, 2, 3)}, {pop(a0, 4, 5), empty(6, 7)}},
+                            {pop(a1, 8, 9), empty(10, 11)});
+  // The empty at 6..7 is wrong (a1 is inside), the elements are all there.
+  const Verdict verdict = judge(h, claims(Ordering::unordered), 0);
+  EXPECT_TRUE(verdict.violations.empty());
+  EXPECT_EQ(verdict.pushes, 2U);
+  EXPECT_EQ(verdict.pops, 2U);
+}
+
+TEST(ExactlyOnce, FindsALostElement) {
+  const History h = history({{push(a0, 0, 1), push(a1, 2, 3)}, {pop(a0, 4, 5)}}, {empty(6, 7)});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::unordered), 0), Pattern::lost));
+}
+
+TEST(ExactlyOnce, FindsADoubledElement) {
+  const History h = history({{push(a0, 0, 1)}, {pop(a0, 2, 3)}, {pop(a0, 4, 5)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::unordered), 0), Pattern::repeat));
+}
+
+TEST(ExactlyOnce, FindsAnInventedElement) {
+  const History h = history({{push(a0, 0, 1)}, {pop(0xdeadbeefdeadbeef, 2, 3)}}, {pop(a0, 4, 5)});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::unordered), 0), Pattern::fresh));
+}
+
+TEST(ExactlyOnce, AllowsRefusedElementsAndGaps) {
+  const History h = history({{push(a0, 0, 1), full(a1, 2, 3), push(element(0, 2), 4, 5)}},
+                            {pop(a0, 6, 7), pop(element(0, 2), 8, 9)});
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_real_time), 1).violations.empty());
+}
+
+TEST(RealTime, FindsSwappedElements) {
+  const History h = history({{push(a0, 0, 1)}, {push(b0, 2, 3)}, {pop(b0, 4, 5)}, {pop(a0, 6, 7)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_real_time), 0), Pattern::order));
+  // Nothing but the clock orders the two pushes.
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_happens_before), 0).violations.empty());
+}
+
+TEST(RealTime, AllowsSwappedElementsWhosePushesOverlap) {
+  const History h = history({{push(a0, 0, 3)}, {push(b0, 2, 3)}, {pop(b0, 4, 5)}, {pop(a0, 6, 7)}});
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_real_time), 0).violations.empty());
+}
+
+TEST(RealTime, TiesCountAsConcurrent) {
+  const History h = history({{push(a0, 0, 2)}, {push(b0, 2, 3)}, {pop(b0, 4, 5)}, {pop(a0, 6, 7)}});
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_real_time), 0).violations.empty());
+}
+
+TEST(RealTime, TheErrorOfTheClockWidensEveryInterval) {
+  History h =
+      history({{push(a0, 0, 10)}, {push(b0, 30, 40)}, {pop(b0, 60, 70)}, {pop(a0, 90, 99)}});
+  h.error = 9;
+  EXPECT_FALSE(judge(h, claims(Ordering::fifo_real_time), 0).violations.empty());
+  h.error = 10;
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_real_time), 0).violations.empty());
+}
+
+TEST(RealTime, FindsAFalseEmpty) {
+  const History h = history({{push(a0, 0, 1)}, {empty(2, 3)}, {pop(a0, 4, 5)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_real_time), 0), Pattern::witness));
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_happens_before), 0).violations.empty());
+}
+
+TEST(RealTime, FindsAFalseEmptyThatOnlyTwoElementsTogetherRefute) {
+  const History h = history(
+      {{push(a0, 0, 1)}, {push(b0, 4, 5)}, {empty(2, 9)}, {pop(a0, 7, 8), pop(b0, 10, 11)}});
+  const Verdict verdict = judge(h, claims(Ordering::fifo_real_time), 0);
+  ASSERT_TRUE(accuses(verdict, Pattern::witness));
+  EXPECT_EQ(verdict.violations[0].culprits.size(), 5U) << "two pushes, two pops and the empty";
+}
+
+TEST(RealTime, AllowsAnEmptyInAGap) {
+  const History h =
+      history({{push(a0, 0, 1)}, {push(b0, 6, 7)}, {empty(2, 8)}, {pop(a0, 4, 5), pop(b0, 9, 10)}});
+  EXPECT_TRUE(judge(h, claims(Ordering::fifo_real_time), 0).violations.empty());
+}
+
+TEST(RealTime, FindsAPopBeforeItsPush) {
+  const History h = history({{push(a0, 4, 5)}, {pop(a0, 0, 1)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_real_time), 0), Pattern::fresh));
+}
+
+TEST(HappensBefore, FindsSwappedElementsOfOneProducer) {
+  const History h = history({{push(a0, 0, 1), push(a1, 2, 3)}, {pop(a1, 4, 5), pop(a0, 6, 7)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_happens_before), 0), Pattern::order));
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::per_producer_fifo), 0), Pattern::order));
+  EXPECT_TRUE(judge(h, claims(Ordering::unordered), 0).violations.empty());
+}
+
+TEST(HappensBefore, OrdersElementsThroughWhatAWorkerTook) {
+  // Worker 1 pushes b0 after it took a0 of worker 0, who had pushed a0 before a1: b0 is younger
+  // than a0 only. Swapping b0 and a1 is fine, swapping them with a0 is not.
+  const Element a2 = element(0, 2);
+  const History fine = history({{push(a0, 0, 1), push(a1, 2, 3)}, {pop(a0, 4, 5), push(b0, 6, 7)}},
+                               {pop(b0, 8, 9), pop(a1, 10, 11)});
+  EXPECT_TRUE(judge(fine, claims(Ordering::fifo_happens_before), 0).violations.empty());
+  // Here worker 0 pushed a0 and a1 before a2, and b0 follows a2: b0 must leave after a1.
+  const History wrong =
+      history({{push(a0, 0, 1), push(a1, 2, 3), push(a2, 4, 5)}, {pop(a2, 6, 7), push(b0, 8, 9)}},
+              {pop(a0, 10, 11), pop(b0, 12, 13), pop(a1, 14, 15)});
+  EXPECT_TRUE(accuses(judge(wrong, claims(Ordering::fifo_happens_before), 0), Pattern::order));
+}
+
+TEST(HappensBefore, FindsAnEmptyAfterTheWorkersOwnPush) {
+  const History h = history({{push(a0, 0, 1), empty(2, 3), pop(a0, 4, 5)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_happens_before), 0), Pattern::witness));
+  const Verdict relaxed = judge(h, claims(Ordering::unordered), 0);
+  EXPECT_TRUE(relaxed.violations.empty());
+  EXPECT_EQ(relaxed.refuted_empties, 1U);
+}
+
+TEST(HappensBefore, FindsAnEmptyBehindABarrier) {
+  const History h = history({{push(a0, 0, 1), meet(2)}, {meet(2), empty(3, 4), pop(a0, 5, 6)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_happens_before), 0), Pattern::witness));
+  const History before =
+      history({{push(a0, 0, 1), meet(2)}, {empty(1, 2), meet(2), pop(a0, 5, 6)}});
+  EXPECT_TRUE(judge(before, claims(Ordering::fifo_happens_before), 0).violations.empty());
+}
+
+TEST(HappensBefore, TheDrainComesAfterEverything) {
+  const History h = history({{push(a0, 0, 1)}}, {empty(2, 3), pop(a0, 4, 5)});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::fifo_happens_before), 0), Pattern::witness));
+}
+
+TEST(HappensBefore, FindsACycle) {
+  const History h = history({{pop(b0, 0, 1), push(a0, 2, 3)}, {pop(a0, 0, 1), push(b0, 2, 3)}});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::unordered), 0), Pattern::fresh));
+}
+
+TEST(Full, IsJudgedByWhatCanHaveBeenInside) {
+  Claims ring = claims(Ordering::fifo_real_time);
+  ring.bounded = true;
+  const std::vector<Operation> drain{pop(a0, 20, 21)};
+  const History h = history({{push(a0, 0, 1), full(a1, 2, 3)}}, drain);
+  EXPECT_TRUE(judge(h, ring, 1).violations.empty());
+  EXPECT_TRUE(accuses(judge(h, ring, 2), Pattern::full));
+}
+
+TEST(Full, APopThatHasNotReturnedStillHoldsItsPlace) {
+  Claims ring = claims(Ordering::fifo_real_time);
+  ring.bounded = true;
+  const History overlapping = history({{push(a0, 0, 1), full(a1, 4, 5)}, {pop(a0, 2, 6)}});
+  EXPECT_TRUE(judge(overlapping, ring, 1).violations.empty());
+  const History finished = history({{push(a0, 0, 1), full(a1, 4, 5)}, {pop(a0, 2, 3)}});
+  EXPECT_TRUE(accuses(judge(finished, ring, 1), Pattern::full));
+  ring.ordering = Ordering::fifo_happens_before;
+  EXPECT_TRUE(judge(finished, ring, 1).violations.empty());
+}
+
+TEST(Relaxation, CountsWhatWasOvertaken) {
+  Claims relaxed = claims(Ordering::k_relaxed_fifo);
+  relaxed.relaxation = 2;
+  std::vector<Operation> pushes;
+  for (std::uint64_t i = 0; i < 4; ++i) pushes.push_back(push(element(0, i), 2 * i, 2 * i + 1));
+  // The fourth leaves first: it passes three older ones.
+  const History h = history(
+      {pushes,
+       {pop(element(0, 3), 10, 11), pop(a0, 12, 13), pop(a1, 14, 15), pop(element(0, 2), 16, 17)}});
+  const Verdict verdict = judge(h, relaxed, 0);
+  ASSERT_TRUE(verdict.relaxation.has_value());
+  EXPECT_EQ(verdict.relaxation->rank_error.max, 3U);
+  EXPECT_EQ(verdict.relaxation->overtaken.max, 1U);
+  EXPECT_DOUBLE_EQ(verdict.relaxation->overtaken.mean, 0.75);
+  EXPECT_TRUE(accuses(verdict, Pattern::rank));
+  relaxed.relaxation = 3;
+  EXPECT_TRUE(judge(h, relaxed, 0).violations.empty());
+}
+
+TEST(OwnWorker, EachWorkersQueueIsJudgedAlone) {
+  Claims local = claims(Ordering::fifo_real_time);
+  local.producers = Callers::own_worker;
+  local.consumers = Callers::own_worker;
+  const History fine =
+      history({{push(a0, 0, 1), pop(a0, 8, 9)}, {empty(2, 3), push(b0, 4, 5)}}, {pop(b0, 10, 11)});
+  EXPECT_TRUE(judge(fine, local, 0).violations.empty());
+  const History stolen = history({{push(a0, 0, 1)}, {pop(a0, 2, 3)}});
+  EXPECT_TRUE(accuses(judge(stolen, local, 0), Pattern::fresh));
+}
+
+TEST(Explain, DrawsTheOperationsToScale) {
+  const History h = history({{push(a0, 0, 100)}, {empty(200, 300)}, {pop(a0, 400, 500)}});
+  const Verdict verdict = judge(h, claims(Ordering::fifo_real_time), 0);
+  ASSERT_EQ(verdict.violations.size(), 1U);
+  EXPECT_EQ(
+      explain(verdict.violations[0], 1),
+      "pop answered empty although the queue held an element all the while\n"
+      "  worker 0   push 0:0         |------|                                 0 .. 100 ns\n"
+      "  worker 1   pop  empty                      |-------|                 200 .. 300 ns\n"
+      "  worker 2   pop  0:0                                        |-------| 400 .. 500 ns\n");
+}
+
+}  // namespace
+}  // namespace irt::stress
