@@ -1,0 +1,390 @@
+// Mutexes, condition variables, semaphores, rw locks, barriers, once-flags and futexes of
+// instrumented code, in terms of the tenant's lock, wait and wake.
+//
+// The objects keep the C library's size and its static initialisers (zero but for a mutex's kind).
+
+#include <cerrno>
+#include <climits>
+#include <cstdarg>
+#include <cstring>
+#include <ctime>
+#include <linux/futex.h>
+#include <mutex>
+#include <semaphore.h>
+#include <sys/syscall.h>
+
+#include "stress/virtual_cores/internal.hpp"
+
+namespace {
+
+using irt::virtual_cores::active;
+using irt::virtual_cores::current_core;
+using irt::virtual_cores::Operation;
+using irt::virtual_cores::Order;
+using irt::virtual_cores::Value;
+using irt::virtual_cores::Wake;
+
+#define IRT_PC __builtin_return_address(0)
+
+constexpr std::int64_t forever = -1;
+constexpr unsigned everybody = INT_MAX;
+
+std::uintptr_t address_of(const volatile void* pointer) {
+  return reinterpret_cast<std::uintptr_t>(pointer);
+}
+
+std::uint32_t load(const std::uint32_t& word, const void* pc) {
+  return static_cast<std::uint32_t>(active->load({address_of(&word), 4, Order::acquire, pc}));
+}
+void store(std::uint32_t& word, std::uint32_t value, const void* pc) {
+  active->store({address_of(&word), 4, Order::release, pc}, value);
+}
+std::uint32_t add(std::uint32_t& word, std::uint32_t value, const void* pc) {
+  return static_cast<std::uint32_t>(
+      active->modify({address_of(&word), 4, Order::acq_rel, pc}, Operation::add, value));
+}
+bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired, const void* pc) {
+  Value seen = expected;
+  return active->compare_exchange({address_of(&word), 4, Order::acq_rel, pc}, Order::acquire, false,
+                                  seen, desired);
+}
+
+// How long until `deadline`; never negative, for that means forever.
+std::int64_t until(const timespec* deadline) {
+  const std::int64_t left =
+      deadline->tv_sec * std::int64_t{1'000'000'000} + deadline->tv_nsec - active->now();
+  return left < 0 ? 0 : left;
+}
+
+// pthread_mutex_t: the kind is where glibc keeps it, the owner is only used by recursive mutexes.
+struct Mutex {
+  std::uint32_t word;
+  std::uint32_t depth;
+  std::uint32_t owner;  // core + 1
+  std::uint32_t unused;
+  std::uint32_t kind;
+
+  std::uintptr_t address() const { return address_of(&word); }
+  bool recursive() const { return (kind & 3U) == PTHREAD_MUTEX_RECURSIVE; }
+};
+
+Mutex& mutex_of(pthread_mutex_t* mutex) {
+  return *reinterpret_cast<Mutex*>(mutex);
+}
+
+int lock(Mutex& mutex, const void* pc) {
+  if (mutex.recursive() && mutex.owner == current_core + 1) {
+    ++mutex.depth;
+    return 0;
+  }
+  active->lock(mutex.address(), pc);
+  mutex.owner = current_core + 1;
+  return 0;
+}
+
+int try_lock(Mutex& mutex, const void* pc) {
+  if (mutex.recursive() && mutex.owner == current_core + 1) {
+    ++mutex.depth;
+    return 0;
+  }
+  if (!active->try_lock(mutex.address(), pc)) return EBUSY;
+  mutex.owner = current_core + 1;
+  return 0;
+}
+
+int unlock(Mutex& mutex, const void* pc) {
+  if (mutex.owner != current_core + 1)
+    active->failed("a mutex is unlocked by a thread that does not hold it", pc);
+  if (mutex.depth != 0) {
+    --mutex.depth;
+    return 0;
+  }
+  mutex.owner = 0;
+  active->unlock(mutex.address(), pc);
+  return 0;
+}
+
+// pthread_cond_t: a word that every notification changes.
+std::uint32_t& sequence_of(pthread_cond_t* condition) {
+  return *reinterpret_cast<std::uint32_t*>(condition);
+}
+
+int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanoseconds,
+                   const void* pc) {
+  std::uint32_t& sequence = sequence_of(condition);
+  const std::uint32_t seen = load(sequence, pc);
+  unlock(mutex, pc);
+  const Wake wake = active->wait(address_of(&sequence), seen, nanoseconds, pc);
+  lock(mutex, pc);
+  return wake == Wake::timed_out ? ETIMEDOUT : 0;
+}
+
+int condition_notify(pthread_cond_t* condition, unsigned count, const void* pc) {
+  add(sequence_of(condition), 1, pc);
+  active->wake(address_of(condition), count, pc);
+  return 0;
+}
+
+// pthread_rwlock_t: readers, or all bits for a writer.
+constexpr std::uint32_t writer = ~0U;
+std::uint32_t& word_of(pthread_rwlock_t* lock) {
+  return *reinterpret_cast<std::uint32_t*>(lock);
+}
+
+// sem_t: the count.
+std::uint32_t& count_of(sem_t* semaphore) {
+  return *reinterpret_cast<std::uint32_t*>(semaphore);
+}
+
+bool take(std::uint32_t& count, const void* pc) {
+  for (std::uint32_t seen = load(count, pc); seen != 0; seen = load(count, pc))
+    if (swap_if(count, seen, seen - 1, pc)) return true;
+  return false;
+}
+
+// pthread_barrier_t: who is missing, the round, how many it takes.
+struct Barrier {
+  std::uint32_t missing;
+  std::uint32_t round;
+  std::uint32_t total;
+};
+
+// A function-local static's guard: byte 0 says that it is made, the upper half is a lock.
+struct Guard {
+  std::uint8_t made;
+  std::uint8_t unused[3];
+  std::uint32_t lock;
+};
+
+}  // namespace
+
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+
+// --- Mutexes and spin locks ------------------------------------------------------------------
+
+IRT_REDIRECTED int irt_vc_pthread_mutex_init(pthread_mutex_t* m, const pthread_mutexattr_t* kind) {
+  std::memset(m, 0, sizeof *m);
+  int type = 0;
+  if (kind != nullptr) pthread_mutexattr_gettype(kind, &type);
+  mutex_of(m).kind = static_cast<std::uint32_t>(type);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_mutex_destroy(pthread_mutex_t*) {
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_mutex_lock(pthread_mutex_t* m) {
+  return lock(mutex_of(m), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_mutex_trylock(pthread_mutex_t* m) {
+  return try_lock(mutex_of(m), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_mutex_unlock(pthread_mutex_t* m) {
+  return unlock(mutex_of(m), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_spin_init(pthread_spinlock_t* s, int) {
+  *s = 0;
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_spin_destroy(pthread_spinlock_t*) {
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_spin_lock(pthread_spinlock_t* s) {
+  active->lock(address_of(s), IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_spin_trylock(pthread_spinlock_t* s) {
+  return active->try_lock(address_of(s), IRT_PC) ? 0 : EBUSY;
+}
+IRT_REDIRECTED int irt_vc_pthread_spin_unlock(pthread_spinlock_t* s) {
+  active->unlock(address_of(s), IRT_PC);
+  return 0;
+}
+
+// --- Condition variables ---------------------------------------------------------------------
+
+IRT_REDIRECTED int irt_vc_pthread_cond_init(pthread_cond_t* c, const pthread_condattr_t*) {
+  std::memset(c, 0, sizeof *c);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_cond_destroy(pthread_cond_t*) {
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_cond_wait(pthread_cond_t* c, pthread_mutex_t* m) {
+  return condition_wait(c, mutex_of(m), forever, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_cond_timedwait(pthread_cond_t* c, pthread_mutex_t* m,
+                                                 const timespec* deadline) {
+  return condition_wait(c, mutex_of(m), until(deadline), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_cond_clockwait(pthread_cond_t* c, pthread_mutex_t* m, clockid_t,
+                                                 const timespec* deadline) {
+  return condition_wait(c, mutex_of(m), until(deadline), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_cond_signal(pthread_cond_t* c) {
+  return condition_notify(c, 1, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_cond_broadcast(pthread_cond_t* c) {
+  return condition_notify(c, everybody, IRT_PC);
+}
+// std::condition_variable's members that libstdc++ keeps in its shared object.
+IRT_REDIRECTED void irt_vc__ZNSt18condition_variableC1Ev(pthread_cond_t* c) {
+  std::memset(c, 0, sizeof *c);
+}
+IRT_REDIRECTED void irt_vc__ZNSt18condition_variableD1Ev(pthread_cond_t*) {}
+IRT_REDIRECTED void irt_vc__ZNSt18condition_variable4waitERSt11unique_lockISt5mutexE(
+    pthread_cond_t* c, std::unique_lock<std::mutex>& held) {
+  condition_wait(c, mutex_of(held.mutex()->native_handle()), forever, IRT_PC);
+}
+IRT_REDIRECTED void irt_vc__ZNSt18condition_variable10notify_oneEv(pthread_cond_t* c) {
+  condition_notify(c, 1, IRT_PC);
+}
+IRT_REDIRECTED void irt_vc__ZNSt18condition_variable10notify_allEv(pthread_cond_t* c) {
+  condition_notify(c, everybody, IRT_PC);
+}
+
+// --- Semaphores, rw locks, barriers ----------------------------------------------------------
+
+IRT_REDIRECTED int irt_vc_sem_init(sem_t* s, int, unsigned count) {
+  std::memset(s, 0, sizeof *s);
+  count_of(s) = count;
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_sem_destroy(sem_t*) {
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
+  add(count_of(s), 1, IRT_PC);
+  active->wake(address_of(s), 1, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_sem_wait(sem_t* s) {
+  while (!take(count_of(s), IRT_PC)) active->wait(address_of(s), 0, forever, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
+  if (take(count_of(s), IRT_PC)) return 0;
+  errno = EAGAIN;
+  return -1;
+}
+
+IRT_REDIRECTED int irt_vc_pthread_rwlock_init(pthread_rwlock_t* l, const pthread_rwlockattr_t*) {
+  std::memset(l, 0, sizeof *l);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t*) {
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_tryrdlock(pthread_rwlock_t* l) {
+  for (std::uint32_t seen = load(word_of(l), IRT_PC); seen != writer;
+       seen = load(word_of(l), IRT_PC))
+    if (swap_if(word_of(l), seen, seen + 1, IRT_PC)) return 0;
+  return EBUSY;
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_rdlock(pthread_rwlock_t* l) {
+  while (irt_vc_pthread_rwlock_tryrdlock(l) != 0)
+    active->wait(address_of(l), writer, forever, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_trywrlock(pthread_rwlock_t* l) {
+  return swap_if(word_of(l), 0, writer, IRT_PC) ? 0 : EBUSY;
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_wrlock(pthread_rwlock_t* l) {
+  while (!swap_if(word_of(l), 0, writer, IRT_PC)) {
+    const std::uint32_t seen = load(word_of(l), IRT_PC);
+    if (seen != 0) active->wait(address_of(l), seen, forever, IRT_PC);
+  }
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
+  const std::uint32_t seen = load(word_of(l), IRT_PC);
+  if (seen == writer)
+    store(word_of(l), 0, IRT_PC);
+  else
+    add(word_of(l), ~0U, IRT_PC);
+  active->wake(address_of(l), everybody, IRT_PC);
+  return 0;
+}
+
+IRT_REDIRECTED int irt_vc_pthread_barrier_init(pthread_barrier_t* b, const pthread_barrierattr_t*,
+                                               unsigned count) {
+  std::memset(b, 0, sizeof *b);
+  *reinterpret_cast<Barrier*>(b) = {count, 0, count};
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_barrier_destroy(pthread_barrier_t*) {
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
+  Barrier& barrier = *reinterpret_cast<Barrier*>(b);
+  const std::uint32_t round = load(barrier.round, IRT_PC);
+  if (add(barrier.missing, ~0U, IRT_PC) == 1) {
+    store(barrier.missing, barrier.total, IRT_PC);
+    add(barrier.round, 1, IRT_PC);
+    active->wake(address_of(&barrier.round), everybody, IRT_PC);
+    return PTHREAD_BARRIER_SERIAL_THREAD;
+  }
+  while (load(barrier.round, IRT_PC) == round)
+    active->wait(address_of(&barrier.round), round, forever, IRT_PC);
+  return 0;
+}
+
+// --- Once ------------------------------------------------------------------------------------
+
+IRT_REDIRECTED int irt_vc___cxa_guard_acquire(Guard* guard) {
+  active->lock(address_of(&guard->lock), IRT_PC);
+  if (active->load({address_of(&guard->made), 1, Order::acquire, IRT_PC}) == 0) return 1;
+  active->unlock(address_of(&guard->lock), IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED void irt_vc___cxa_guard_release(Guard* guard) {
+  active->store({address_of(&guard->made), 1, Order::release, IRT_PC}, 1);
+  active->unlock(address_of(&guard->lock), IRT_PC);
+}
+IRT_REDIRECTED void irt_vc___cxa_guard_abort(Guard* guard) {
+  active->unlock(address_of(&guard->lock), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_once(pthread_once_t* once, void (*function)()) {
+  auto& state = *reinterpret_cast<std::uint32_t*>(once);  // 0 fresh, 1 in progress, 2 done
+  if (swap_if(state, 0, 1, IRT_PC)) {
+    function();
+    store(state, 2, IRT_PC);
+    active->wake(address_of(once), everybody, IRT_PC);
+  }
+  while (load(state, IRT_PC) != 2) active->wait(address_of(once), 1, forever, IRT_PC);
+  return 0;
+}
+
+// --- Futex -----------------------------------------------------------------------------------
+
+IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
+  std::va_list arguments;
+  va_start(arguments, number);
+  const auto address = va_arg(arguments, std::uintptr_t);
+  const int operation = va_arg(arguments, int) & FUTEX_CMD_MASK;
+  const auto value = va_arg(arguments, std::uint32_t);
+  const auto* time = va_arg(arguments, const timespec*);
+  va_end(arguments);
+  if (number == SYS_gettid) return current_core + 1L;
+  if (number == SYS_futex && (operation == FUTEX_WAKE || operation == FUTEX_WAKE_BITSET))
+    return active->wake(address, value, IRT_PC);
+  if (number == SYS_futex && (operation == FUTEX_WAIT || operation == FUTEX_WAIT_BITSET)) {
+    std::int64_t nanoseconds = forever;
+    if (time != nullptr)  // relative for FUTEX_WAIT, a deadline for FUTEX_WAIT_BITSET
+      nanoseconds =
+          operation == FUTEX_WAIT ? time->tv_sec * 1'000'000'000 + time->tv_nsec : until(time);
+    switch (active->wait(address, value, nanoseconds, IRT_PC)) {
+      case Wake::woken:
+        return 0;
+      case Wake::value_differs:
+        errno = EAGAIN;
+        return -1;
+      case Wake::timed_out:
+        errno = ETIMEDOUT;
+        return -1;
+    }
+  }
+  active->failed("system call " + std::to_string(number) + " is not supported on virtual cores",
+                 IRT_PC);
+}
+
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

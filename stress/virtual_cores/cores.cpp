@@ -1,0 +1,146 @@
+#include <boost/context/detail/fcontext.hpp>
+#include <cstring>
+#include <cxxabi.h>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <sys/mman.h>
+
+#include "stress/virtual_cores/internal.hpp"
+
+namespace irt::virtual_cores {
+
+namespace {
+
+namespace fibers = boost::context::detail;
+
+// A pass-through for code that runs outside of the cores: the module's global constructors.
+Tenant native;
+
+// Stacks lie at an address of their own so that pointers to them are the same in every run.
+constexpr std::uintptr_t stacks_address = 0x100000000000;
+constexpr std::size_t guard_bytes = 4096;
+
+// The C++ runtime's per-thread exception state, which belongs to a core here. The layout is the
+// ABI's __cxa_eh_globals.
+struct ExceptionState {
+  void* caught;
+  unsigned uncaught;
+};
+
+ExceptionState& exception_state() {
+  static auto& state = *reinterpret_cast<ExceptionState*>(abi::__cxa_get_globals());
+  return state;
+}
+
+struct Fiber {
+  fibers::fcontext_t context;
+  ExceptionState exceptions;
+  void (*entry)(void*);
+  void* argument;
+};
+
+}  // namespace
+
+Tenant* active = &native;
+unsigned current_core = host;
+
+struct Cores::State {
+  Tenant& tenant;
+  std::size_t stack_bytes;
+  std::vector<Fiber> fibers;
+  Fiber outside{};
+
+  Fiber& fiber(unsigned core) { return core == host ? outside : fibers[core]; }
+
+  void switch_to(unsigned core) {
+    Fiber& from = fiber(current_core);
+    Fiber& to = fiber(core);
+    current_core = core;
+    from.exceptions = exception_state();
+    exception_state() = to.exceptions;
+    const fibers::transfer_t came_from = fibers::jump_fcontext(to.context, &from);
+    static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
+  }
+
+  static State* running;
+
+  static void begin(fibers::transfer_t came_from) {
+    static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
+    State& self = *running;
+    const unsigned core = current_core;
+    const Fiber& me = self.fibers[core];
+    try {
+      me.entry(me.argument);
+      run_thread_exits(core);
+    } catch (const std::exception& error) {
+      self.tenant.failed("an exception left a thread: " + std::string(error.what()), nullptr);
+    } catch (...) {
+      self.tenant.failed("an exception that is no std::exception left a thread", nullptr);
+    }
+    self.switch_to(self.tenant.finished(core));
+    self.tenant.failed("a finished core was switched to", nullptr);
+  }
+};
+
+Cores::State* Cores::State::running = nullptr;
+
+Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
+    : state_(new State{tenant, stack_bytes, std::vector<Fiber>(count), {}}) {
+  if (State::running != nullptr)
+    throw std::logic_error("virtual cores: one object exists already; destroy it first");
+  const std::size_t bytes = count * (stack_bytes + guard_bytes);
+  void* stacks = mmap(reinterpret_cast<void*>(stacks_address), bytes, PROT_NONE,
+                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED_NOREPLACE, -1, 0);
+  if (stacks == MAP_FAILED)
+    throw std::runtime_error("virtual cores: no room for " + std::to_string(bytes) +
+                             " bytes of stacks: " + std::strerror(errno));
+  for (unsigned core = 0; core < count; ++core)
+    mprotect(reinterpret_cast<void*>(stack_of(core)), stack_bytes, PROT_READ | PROT_WRITE);
+  State::running = state_.get();
+}
+
+Cores::~Cores() {
+  munmap(reinterpret_cast<void*>(stacks_address), count() * (state_->stack_bytes + guard_bytes));
+  State::running = nullptr;
+}
+
+void Cores::arm(unsigned core, void (*entry)(void*), void* argument) {
+  forget_thread_locals(core);
+  Fiber& fiber = state_->fibers[core];
+  fiber = {nullptr, {}, entry, argument};
+  fiber.context =
+      fibers::make_fcontext(reinterpret_cast<void*>(stack_of(core) + state_->stack_bytes),
+                            state_->stack_bytes, State::begin);
+}
+
+void Cores::run(unsigned first) {
+  active = &state_->tenant;
+  const std::terminate_handler before = std::set_terminate([] {
+    if (current_core == host) std::abort();
+    active->failed("std::terminate was called: an exception met a noexcept function or none",
+                   nullptr);
+  });
+  state_->switch_to(first);
+  std::set_terminate(before);
+  active = &native;
+}
+
+void Cores::switch_to(unsigned core) {
+  if (core != current_core) state_->switch_to(core);
+}
+
+unsigned Cores::count() const {
+  return static_cast<unsigned>(state_->fibers.size());
+}
+unsigned Cores::current() const {
+  return current_core;
+}
+std::size_t Cores::stack_bytes() const {
+  return state_->stack_bytes;
+}
+std::uintptr_t Cores::stack_of(unsigned core) const {
+  return stacks_address + core * (state_->stack_bytes + guard_bytes) + guard_bytes;
+}
+
+}  // namespace irt::virtual_cores

@@ -1,0 +1,21 @@
+/// What the parts of the runtime share. Nobody else includes this.
+#pragma once
+
+#include "stress/virtual_cores/virtual_cores.hpp"
+
+namespace irt::virtual_cores {
+
+/// Who is asked: the tenant while cores run, the defaults otherwise (constructors of globals).
+extern Tenant* active;
+/// The core in progress, or `host`.
+extern unsigned current_core;
+
+// thread_local, one block per core and module (thread_locals.cpp).
+void forget_thread_locals(unsigned core);
+/// Runs the destructors of the core's thread_local objects, newest first.
+void run_thread_exits(unsigned core);
+
+}  // namespace irt::virtual_cores
+
+// Functions that instrumented code is made to call instead of the C library's.
+#define IRT_REDIRECTED extern "C" __attribute__((visibility("default")))

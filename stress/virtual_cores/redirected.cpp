@@ -1,0 +1,260 @@
+// The C library as instrumented code sees it: each name of redirected.syms, with `irt_vc_` before
+// it. Memory goes to the tenant's heap, time is the tenant's, copying is announced as accesses.
+
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdarg>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <new>
+#include <sched.h>
+#include <semaphore.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include "stress/virtual_cores/internal.hpp"
+
+using irt::virtual_cores::active;
+using irt::virtual_cores::current_core;
+using irt::virtual_cores::Wake;
+
+#define IRT_PC __builtin_return_address(0)
+
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+
+// --- Memory ---------------------------------------------------------------------------------
+
+namespace {
+
+constexpr std::size_t default_alignment = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+
+std::uintptr_t address_of(const void* pointer) {
+  return reinterpret_cast<std::uintptr_t>(pointer);
+}
+
+void* allocate_or_throw(std::size_t size, std::size_t alignment, const void* pc) {
+  void* block = active->allocate(size, alignment, pc);
+  if (block == nullptr) throw std::bad_alloc();
+  return block;
+}
+
+void release(void* block, const void* pc) {
+  if (block != nullptr) active->release(block, pc);
+}
+
+}  // namespace
+
+IRT_REDIRECTED void* irt_vc_malloc(std::size_t size) {
+  return active->allocate(size, default_alignment, IRT_PC);
+}
+IRT_REDIRECTED void irt_vc_free(void* block) {
+  release(block, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc_calloc(std::size_t count, std::size_t size) {
+  void* block = active->allocate(count * size, default_alignment, IRT_PC);
+  if (block == nullptr || count * size == 0) return block;
+  active->plain_write(address_of(block), count * size, IRT_PC);
+  return std::memset(block, 0, count * size);
+}
+IRT_REDIRECTED void* irt_vc_realloc(void* block, std::size_t size) {
+  void* grown = active->allocate(size, default_alignment, IRT_PC);
+  if (block == nullptr || grown == nullptr) return grown;
+  const std::size_t kept = std::min(size, active->block_size(block));
+  active->plain_read(address_of(block), kept, IRT_PC);
+  active->plain_write(address_of(grown), kept, IRT_PC);
+  std::memcpy(grown, block, kept);
+  active->release(block, IRT_PC);
+  return grown;
+}
+IRT_REDIRECTED void* irt_vc_aligned_alloc(std::size_t alignment, std::size_t size) {
+  return active->allocate(size, alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc_memalign(std::size_t alignment, std::size_t size) {
+  return active->allocate(size, alignment, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_posix_memalign(void** result, std::size_t alignment, std::size_t size) {
+  *result = active->allocate(size, alignment, IRT_PC);
+  return *result == nullptr ? ENOMEM : 0;
+}
+
+// operator new and delete, by their mangled names.
+IRT_REDIRECTED void* irt_vc__Znwm(std::size_t n) {
+  return allocate_or_throw(n, default_alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__Znam(std::size_t n) {
+  return allocate_or_throw(n, default_alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__ZnwmSt11align_val_t(std::size_t n, std::size_t alignment) {
+  return allocate_or_throw(n, alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__ZnamSt11align_val_t(std::size_t n, std::size_t alignment) {
+  return allocate_or_throw(n, alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__ZnwmRKSt9nothrow_t(std::size_t n, const void*) {
+  return active->allocate(n, default_alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__ZnamRKSt9nothrow_t(std::size_t n, const void*) {
+  return active->allocate(n, default_alignment, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__ZnwmSt11align_val_tRKSt9nothrow_t(std::size_t n, std::size_t a,
+                                                               const void*) {
+  return active->allocate(n, a, IRT_PC);
+}
+IRT_REDIRECTED void* irt_vc__ZnamSt11align_val_tRKSt9nothrow_t(std::size_t n, std::size_t a,
+                                                               const void*) {
+  return active->allocate(n, a, IRT_PC);
+}
+#define IRT_DELETE(name, ...)                                                 \
+  IRT_REDIRECTED void irt_vc_##name(void* block __VA_OPT__(, ) __VA_ARGS__) { \
+    release(block, IRT_PC);                                                   \
+  }
+IRT_DELETE(_ZdlPv)
+IRT_DELETE(_ZdaPv)
+IRT_DELETE(_ZdlPvm, std::size_t)
+IRT_DELETE(_ZdaPvm, std::size_t)
+IRT_DELETE(_ZdlPvSt11align_val_t, std::size_t)
+IRT_DELETE(_ZdaPvSt11align_val_t, std::size_t)
+IRT_DELETE(_ZdlPvmSt11align_val_t, std::size_t, std::size_t)
+IRT_DELETE(_ZdaPvmSt11align_val_t, std::size_t, std::size_t)
+IRT_DELETE(_ZdlPvRKSt9nothrow_t, const void*)
+IRT_DELETE(_ZdaPvRKSt9nothrow_t, const void*)
+IRT_DELETE(_ZdlPvSt11align_val_tRKSt9nothrow_t, std::size_t, const void*)
+IRT_DELETE(_ZdaPvSt11align_val_tRKSt9nothrow_t, std::size_t, const void*)
+#undef IRT_DELETE
+
+IRT_REDIRECTED void* irt_vc_memcpy(void* to, const void* from, std::size_t size) {
+  if (size == 0) return to;
+  active->plain_read(address_of(from), size, IRT_PC);
+  active->plain_write(address_of(to), size, IRT_PC);
+  return std::memcpy(to, from, size);
+}
+IRT_REDIRECTED void* irt_vc_memmove(void* to, const void* from, std::size_t size) {
+  if (size == 0) return to;
+  active->plain_read(address_of(from), size, IRT_PC);
+  active->plain_write(address_of(to), size, IRT_PC);
+  return std::memmove(to, from, size);
+}
+IRT_REDIRECTED void* irt_vc_memset(void* to, int byte, std::size_t size) {
+  if (size == 0) return to;
+  active->plain_write(address_of(to), size, IRT_PC);
+  return std::memset(to, byte, size);
+}
+IRT_REDIRECTED int irt_vc_memcmp(const void* a, const void* b, std::size_t size) {
+  if (size == 0) return 0;
+  active->plain_read(address_of(a), size, IRT_PC);
+  active->plain_read(address_of(b), size, IRT_PC);
+  return std::memcmp(a, b, size);
+}
+
+// libstdc++ counts shared_ptr references without atomics while this is not zero.
+extern "C" __attribute__((visibility("default"))) char irt_vc___libc_single_threaded;
+char irt_vc___libc_single_threaded = 0;
+
+// --- The end --------------------------------------------------------------------------------
+
+IRT_REDIRECTED [[noreturn]] void irt_vc_abort() {
+  active->failed("abort() was called", IRT_PC);
+}
+IRT_REDIRECTED [[noreturn]] void irt_vc__ZSt9terminatev() {
+  active->failed("std::terminate was called", IRT_PC);
+}
+IRT_REDIRECTED [[noreturn]] void irt_vc___assert_fail(const char* what, const char* file,
+                                                      unsigned line, const char* function) {
+  active->failed("assertion failed: " + std::string(what) + " (" + file + ":" +
+                     std::to_string(line) + ", " + function + ")",
+                 IRT_PC);
+}
+IRT_REDIRECTED [[noreturn]] void irt_vc__ZSt21__glibcxx_assert_failPKciS0_S0_(const char* file,
+                                                                              int line,
+                                                                              const char* function,
+                                                                              const char* what) {
+  active->failed("assertion failed: " + std::string(what) + " (" + file + ":" +
+                     std::to_string(line) + ", " + function + ")",
+                 IRT_PC);
+}
+IRT_REDIRECTED [[noreturn]] void irt_vc_exit(int) {
+  active->failed("exit() was called", IRT_PC);
+}
+// Destructors of function-local statics would run after the last core is gone.
+IRT_REDIRECTED int irt_vc___cxa_atexit(void (*)(void*), void*, void*) {
+  return 0;
+}
+
+// --- Time, and who I am ---------------------------------------------------------------------
+
+namespace {
+
+constexpr std::int64_t second = 1'000'000'000;
+
+std::int64_t nanoseconds_of(const timespec& time) {
+  return time.tv_sec * second + time.tv_nsec;
+}
+timespec timespec_of(std::int64_t time) {
+  return {time / second, time % second};
+}
+
+}  // namespace
+
+IRT_REDIRECTED int irt_vc_clock_gettime(clockid_t, timespec* time) {
+  *time = timespec_of(active->now());
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_gettimeofday(timeval* time, void*) {
+  const std::int64_t now = active->now();
+  *time = {now / second, now % second / 1000};
+  return 0;
+}
+IRT_REDIRECTED std::time_t irt_vc_time(std::time_t* time) {
+  const std::time_t now = active->now() / second;
+  if (time != nullptr) *time = now;
+  return now;
+}
+IRT_REDIRECTED std::int64_t irt_vc__ZNSt6chrono3_V212steady_clock3nowEv() {
+  return active->now();
+}
+IRT_REDIRECTED std::int64_t irt_vc__ZNSt6chrono3_V212system_clock3nowEv() {
+  return active->now();
+}
+IRT_REDIRECTED int irt_vc_sched_yield() {
+  active->yield(IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_nanosleep(const timespec* time, timespec*) {
+  active->sleep(nanoseconds_of(*time), IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_clock_nanosleep(clockid_t, int flags, const timespec* time, timespec*) {
+  const std::int64_t begin = (flags & TIMER_ABSTIME) != 0 ? active->now() : 0;
+  active->sleep(nanoseconds_of(*time) - begin, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_usleep(useconds_t microseconds) {
+  active->sleep(std::int64_t{microseconds} * 1000, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED pthread_t irt_vc_pthread_self() {
+  return current_core + pthread_t{1};
+}
+IRT_REDIRECTED int irt_vc_sched_getcpu() {
+  return static_cast<int>(current_core);
+}
+IRT_REDIRECTED pid_t irt_vc_gettid() {
+  return static_cast<pid_t>(current_core) + 1;
+}
+
+// --- Threads of the code's own are not supported; the tenant provides the cores ---------------
+
+IRT_REDIRECTED int irt_vc_pthread_create(pthread_t*, const pthread_attr_t*, void* (*)(void*),
+                                         void*) {
+  active->failed("the code starts a thread of its own, which virtual cores do not support", IRT_PC);
+}
+IRT_REDIRECTED void
+irt_vc__ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE(
+    void*, void*, void (*)()) {
+  active->failed("the code starts a thread of its own, which virtual cores do not support", IRT_PC);
+}
+
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -1,0 +1,125 @@
+// What a tenant does unless it says otherwise: one step at a time, in the order in which the steps
+// come, on the real memory.
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <malloc.h>
+
+#include "stress/virtual_cores/internal.hpp"
+
+namespace irt::virtual_cores {
+
+Value apply(Operation operation, Value old_value, Value operand, std::size_t size) {
+  const Value mask = size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
+  switch (operation) {
+    case Operation::exchange:
+      return operand & mask;
+    case Operation::add:
+      return (old_value + operand) & mask;
+    case Operation::sub:
+      return (old_value - operand) & mask;
+    case Operation::bit_and:
+      return old_value & operand;
+    case Operation::bit_or:
+      return old_value | operand;
+    case Operation::bit_xor:
+      return old_value ^ operand;
+    case Operation::bit_nand:
+      return ~(old_value & operand) & mask;
+  }
+  std::abort();
+}
+
+Value read_memory(std::uintptr_t address, std::size_t size) {
+  Value value = 0;
+  std::memcpy(&value, reinterpret_cast<const void*>(address), size);
+  return value;
+}
+
+void write_memory(std::uintptr_t address, std::size_t size, Value value) {
+  std::memcpy(reinterpret_cast<void*>(address), &value, size);
+}
+
+void Tenant::plain_read(std::uintptr_t, std::size_t, const void*) {}
+void Tenant::plain_write(std::uintptr_t, std::size_t, const void*) {}
+
+Value Tenant::load(const Access& access) {
+  return read_memory(access.address, access.size);
+}
+
+void Tenant::store(const Access& access, Value value) {
+  write_memory(access.address, access.size, value);
+}
+
+Value Tenant::modify(const Access& access, Operation operation, Value operand) {
+  const Value before = read_memory(access.address, access.size);
+  write_memory(access.address, access.size, apply(operation, before, operand, access.size));
+  return before;
+}
+
+bool Tenant::compare_exchange(const Access& access, Order, bool, Value& expected, Value desired) {
+  const Value before = read_memory(access.address, access.size);
+  const bool equal = before == expected;
+  if (equal) write_memory(access.address, access.size, desired);
+  expected = before;
+  return equal;
+}
+
+void Tenant::fence(Order, const void*) {}
+
+void* Tenant::allocate(std::size_t size, std::size_t alignment, const void*) {
+  return std::aligned_alloc(
+      alignment, (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment);
+}
+void Tenant::release(void* block, const void*) {
+  std::free(block);
+}
+std::size_t Tenant::block_size(void* block) {
+  return malloc_usable_size(block);
+}
+
+// A lock in terms of the rest (Drepper, "Futexes are tricky", the second mutex): 0 free, 1 held,
+// 2 held and perhaps waited for.
+void Tenant::lock(std::uintptr_t address, const void* pc) {
+  if (try_lock(address, pc)) return;
+  const Access access{address, 4, Order::acquire, pc};
+  while (modify(access, Operation::exchange, 2) != 0) wait(address, 2, -1, pc);
+}
+
+bool Tenant::try_lock(std::uintptr_t address, const void* pc) {
+  Value expected = 0;
+  return compare_exchange({address, 4, Order::acquire, pc}, Order::relaxed, false, expected, 1);
+}
+
+void Tenant::unlock(std::uintptr_t address, const void* pc) {
+  if (modify({address, 4, Order::release, pc}, Operation::exchange, 0) == 2) wake(address, 1, pc);
+}
+
+Wake Tenant::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
+                  const void* pc) {
+  if (load({address, 4, Order::acquire, pc}) != expected) return Wake::value_differs;
+  if (nanoseconds < 0) failed("a wait that nobody can end", pc);
+  return Wake::timed_out;
+}
+unsigned Tenant::wake(std::uintptr_t, unsigned, const void*) {
+  return 0;
+}
+void Tenant::yield(const void*) {}
+void Tenant::sleep(std::int64_t, const void*) {}
+std::int64_t Tenant::now() {
+  return 0;
+}
+void Tenant::enter_function(const void*) {}
+void Tenant::leave_function() {}
+unsigned Tenant::finished(unsigned) {
+  return host;
+}
+
+void Tenant::failed(const std::string& what, const void*) {
+  std::cerr << "virtual cores: " << what << '\n';
+  std::_Exit(1);
+}
+
+}  // namespace irt::virtual_cores

@@ -1,0 +1,199 @@
+/// Virtual cores: ordinary C++ compiled with `-fsanitize=thread`, run on fibers, one event at a
+/// time, under the eyes of a *tenant* who decides what each event does.
+///
+/// Who would explore or simulate concurrent code does three things:
+///
+///     class Mine : public irt::virtual_cores::Tenant { ... };       // what happens at each event
+///     irt::virtual_cores::Module module("libmy_queue.so");          // made by
+///     irt_virtual_module() irt::virtual_cores::Cores cores(tenant, 4);                   // four
+///     virtual cores cores.arm(0, entry, argument); ... cores.run(0);
+///
+/// The code sees std::atomic, std::mutex, pthread, malloc and thread_local as always; nothing in
+/// its source knows of virtual cores. `irt_virtual_module` (CMake) compiles it with the
+/// thread sanitizer's instrumentation, which turns every access to shared memory into a call, and
+/// links it with this runtime instead of the sanitizer's. Calls of the C library are redirected in
+/// the object file (`redirected.syms`), so only the module is affected, never its host.
+///
+/// Everything runs on one operating-system thread: the state of the runtime is global, and a
+/// process hosts one `Cores::run` at a time. Spread work over processes, not threads.
+///
+/// Not seen: inline assembly, SIMD intrinsics that store past the sanitizer, and compiled
+/// libraries that the module calls (`Module::unseen_calls` names these).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace irt::virtual_cores {
+
+/// A word of up to 16 bytes. Narrower values are zero-extended.
+__extension__ using Value = unsigned __int128;
+
+/// std::memory_order, by the same numbers.
+enum class Order : std::uint8_t { relaxed, consume, acquire, release, acq_rel, seq_cst };
+
+constexpr bool acquires(Order order) {
+  return order == Order::consume || order == Order::acquire || order >= Order::acq_rel;
+}
+constexpr bool releases(Order order) {
+  return order >= Order::release;
+}
+
+/// What a read-modify-write computes.
+enum class Operation : std::uint8_t { exchange, add, sub, bit_and, bit_or, bit_xor, bit_nand };
+
+/// The result of `operation` on `size` bytes.
+Value apply(Operation operation, Value old_value, Value operand, std::size_t size);
+
+/// `size` bytes of real memory as a value, and back.
+Value read_memory(std::uintptr_t address, std::size_t size);
+void write_memory(std::uintptr_t address, std::size_t size, Value value);
+
+/// One access to an atomic object.
+struct Access {
+  std::uintptr_t address;
+  std::uint32_t size;  ///< bytes: 1, 2, 4, 8 or 16
+  Order order;
+  const void* pc;  ///< where the code will go on: the line is that of `pc` - 1
+};
+
+/// A fiber may be asked to go on with this instead of another core: back to the caller of `run`.
+inline constexpr unsigned host = ~0U;
+
+/// What a futex wait ended with.
+enum class Wake : std::uint8_t { woken, value_differs, timed_out };
+
+/// Decides what happens at every event of the instrumented code. Each method runs on the fiber of
+/// the core that caused the event and may switch to another core before it returns. The defaults
+/// do what a single core with sequentially consistent memory would.
+class Tenant {
+ public:
+  Tenant() = default;
+  Tenant(const Tenant&) = delete;
+  Tenant& operator=(const Tenant&) = delete;
+  virtual ~Tenant() = default;
+
+  // Memory.
+  /// A plain access of `size` bytes is about to happen; the code itself performs it.
+  virtual void plain_read(std::uintptr_t address, std::size_t size, const void* pc);
+  virtual void plain_write(std::uintptr_t address, std::size_t size, const void* pc);
+  virtual Value load(const Access& access);
+  virtual void store(const Access& access, Value value);
+  /// Returns the value read.
+  virtual Value modify(const Access& access, Operation operation, Value operand);
+  /// Returns whether `desired` was stored; `expected` becomes the value read. `access.order` is
+  /// the order of success.
+  virtual bool compare_exchange(const Access& access, Order failure, bool weak, Value& expected,
+                                Value desired);
+  virtual void fence(Order order, const void* pc);
+
+  // The heap. `allocate` returns null when memory is exhausted; `release` is never given null.
+  virtual void* allocate(std::size_t size, std::size_t alignment, const void* pc);
+  virtual void release(void* block, const void* pc);
+  /// Bytes of a block of `allocate`.
+  virtual std::size_t block_size(void* block);
+
+  // Waiting. Mutexes, condition variables, semaphores, rw locks and barriers of the code come down
+  // to these. A lock is four bytes at `address`, zero when free.
+  virtual void lock(std::uintptr_t address, const void* pc);
+  virtual bool try_lock(std::uintptr_t address, const void* pc);
+  virtual void unlock(std::uintptr_t address, const void* pc);
+  /// Sleeps if four bytes at `address` hold `expected`, for at most `nanoseconds` if that is not
+  /// negative.
+  virtual Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
+                    const void* pc);
+  /// Wakes up to `count` sleepers; returns how many.
+  virtual unsigned wake(std::uintptr_t address, unsigned count, const void* pc);
+  virtual void yield(const void* pc);
+  virtual void sleep(std::int64_t nanoseconds, const void* pc);
+  /// Nanoseconds of virtual time.
+  virtual std::int64_t now();
+
+  // Control flow.
+  virtual void enter_function(const void* call_site);
+  virtual void leave_function();
+  /// A core came to the end of its entry function. Returns who goes on, or `host`.
+  virtual unsigned finished(unsigned core);
+  /// The code cannot go on: an uncaught exception, abort(), a failed assertion, an unsupported
+  /// call. Must not return; the default prints `what` and exits the process.
+  [[noreturn]] virtual void failed(const std::string& what, const void* pc);
+};
+
+/// The callee-saved registers at the last atomic operation, as the code had them: with the stack
+/// above `stack_pointer` they are all that a loop can carry from one round to the next.
+struct Registers {
+  std::uint64_t rbx, rbp, r12, r13, r14, r15, stack_pointer;
+};
+
+/// The registers of the atomic operation in progress.
+const Registers& registers();
+
+/// The virtual cores. At most one object exists at a time.
+class Cores {
+ public:
+  /// `stack_bytes` per core, at addresses that are the same in every run.
+  Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes = std::size_t{64} << 10U);
+  Cores(const Cores&) = delete;
+  Cores& operator=(const Cores&) = delete;
+  ~Cores();
+
+  /// Makes `core` begin at `entry(argument)` when it is next switched to. What it did before is
+  /// abandoned: its stack is not unwound.
+  void arm(unsigned core, void (*entry)(void*), void* argument);
+
+  /// Runs from `first` until a core is switched to `host`.
+  void run(unsigned first);
+
+  /// From within a core: goes on with `core`, or with the caller of `run` if that is `host`.
+  /// Returns when somebody switches back.
+  void switch_to(unsigned core);
+
+  unsigned count() const;
+  /// The core in progress, or `host`.
+  unsigned current() const;
+  /// The stack of `core`: lowest address and size in bytes.
+  std::uintptr_t stack_of(unsigned core) const;
+  std::size_t stack_bytes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Instrumented code in a shared object, with a symbol scope of its own.
+class Module {
+ public:
+  /// Loads `file`. Throws std::runtime_error with the loader's words if that fails.
+  explicit Module(const std::string& file);
+  Module(const Module&) = delete;
+  Module& operator=(const Module&) = delete;
+  ~Module();
+
+  /// The address of an exported function or object. Throws std::runtime_error if there is none.
+  void* find(const std::string& symbol) const;
+  template <class F>
+  F* function(const std::string& symbol) const {
+    return reinterpret_cast<F*>(find(symbol));
+  }
+
+  /// Puts global variables back to what they were after loading.
+  void reset_globals();
+  /// Whether `address` is in the module's global variables.
+  bool owns_global(std::uintptr_t address) const;
+
+  /// Functions outside the module that it calls and nobody observes, demangled.
+  std::vector<std::string> unseen_calls() const;
+
+  const std::string& file() const;
+  /// What to subtract from an address to find it in the file.
+  std::uintptr_t load_offset() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace irt::virtual_cores
