@@ -8,6 +8,9 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
+// Memory is known by its address here.
+// NOLINTBEGIN(performance-no-int-to-ptr)
+
 namespace irt::virtual_cores {
 
 namespace {
@@ -144,3 +147,4 @@ std::uintptr_t Cores::stack_of(unsigned core) const {
 }
 
 }  // namespace irt::virtual_cores
+// NOLINTEND(performance-no-int-to-ptr)

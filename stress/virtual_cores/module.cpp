@@ -11,6 +11,9 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
+// Memory is known by its address here.
+// NOLINTBEGIN(performance-no-int-to-ptr)
+
 namespace irt::virtual_cores {
 
 namespace {
@@ -69,8 +72,8 @@ struct Module::State {
   std::string file;
   void* handle = nullptr;
   const link_map* map = nullptr;
-  Globals globals;
-  std::vector<char> initial;
+  Globals globals{};
+  std::vector<char> initial{};
 };
 
 Module::Module(const std::string& file) : state_(new State{.file = file}) {
@@ -134,3 +137,4 @@ std::uintptr_t Module::load_offset() const {
 }
 
 }  // namespace irt::virtual_cores
+// NOLINTEND(performance-no-int-to-ptr)

@@ -155,27 +155,26 @@ char irt_vc___libc_single_threaded = 0;
 
 // --- The end --------------------------------------------------------------------------------
 
-IRT_REDIRECTED [[noreturn]] void irt_vc_abort() {
+IRT_REDIRECTED __attribute__((noreturn)) void irt_vc_abort() {
   active->failed("abort() was called", IRT_PC);
 }
-IRT_REDIRECTED [[noreturn]] void irt_vc__ZSt9terminatev() {
+IRT_REDIRECTED __attribute__((noreturn)) void irt_vc__ZSt9terminatev() {
   active->failed("std::terminate was called", IRT_PC);
 }
-IRT_REDIRECTED [[noreturn]] void irt_vc___assert_fail(const char* what, const char* file,
-                                                      unsigned line, const char* function) {
+IRT_REDIRECTED __attribute__((noreturn)) void irt_vc___assert_fail(const char* what,
+                                                                   const char* file, unsigned line,
+                                                                   const char* function) {
   active->failed("assertion failed: " + std::string(what) + " (" + file + ":" +
                      std::to_string(line) + ", " + function + ")",
                  IRT_PC);
 }
-IRT_REDIRECTED [[noreturn]] void irt_vc__ZSt21__glibcxx_assert_failPKciS0_S0_(const char* file,
-                                                                              int line,
-                                                                              const char* function,
-                                                                              const char* what) {
+IRT_REDIRECTED __attribute__((noreturn)) void irt_vc__ZSt21__glibcxx_assert_failPKciS0_S0_(
+    const char* file, int line, const char* function, const char* what) {
   active->failed("assertion failed: " + std::string(what) + " (" + file + ":" +
                      std::to_string(line) + ", " + function + ")",
                  IRT_PC);
 }
-IRT_REDIRECTED [[noreturn]] void irt_vc_exit(int) {
+IRT_REDIRECTED __attribute__((noreturn)) void irt_vc_exit(int) {
   active->failed("exit() was called", IRT_PC);
 }
 // Destructors of function-local statics would run after the last core is gone.

@@ -9,6 +9,9 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
+// Memory is known by its address here.
+// NOLINTBEGIN(performance-no-int-to-ptr)
+
 namespace irt::virtual_cores {
 
 Value apply(Operation operation, Value old_value, Value operand, std::size_t size) {
@@ -117,9 +120,15 @@ unsigned Tenant::finished(unsigned) {
   return host;
 }
 
-void Tenant::failed(const std::string& what, const void*) {
+void Tenant::on_failure(const std::string& what, const void*) {
   std::cerr << "virtual cores: " << what << '\n';
   std::_Exit(1);
 }
 
+void Tenant::failed(const std::string& what, const void* pc) {
+  on_failure(what, pc);
+  std::abort();
+}
+
 }  // namespace irt::virtual_cores
+// NOLINTEND(performance-no-int-to-ptr)

@@ -9,6 +9,9 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
+// Memory is known by its address here.
+// NOLINTBEGIN(performance-no-int-to-ptr,bugprone-reserved-identifier,readability-identifier-naming)
+
 namespace irt::virtual_cores {
 
 namespace {
@@ -154,3 +157,4 @@ IRT_REDIRECTED int irt_vc___cxa_thread_atexit(void (*destructor)(void*), void* o
   core_state(current_core).exits.push_back({destructor, object});
   return 0;
 }
+// NOLINTEND(performance-no-int-to-ptr,bugprone-reserved-identifier,readability-identifier-naming)

@@ -119,7 +119,8 @@ class Tenant {
   virtual unsigned finished(unsigned core);
   /// The code cannot go on: an uncaught exception, abort(), a failed assertion, an unsupported
   /// call. Must not return; the default prints `what` and exits the process.
-  [[noreturn]] virtual void failed(const std::string& what, const void* pc);
+  virtual void on_failure(const std::string& what, const void* pc);
+  [[noreturn]] void failed(const std::string& what, const void* pc);
 };
 
 /// The callee-saved registers at the last atomic operation, as the code had them: with the stack

@@ -73,10 +73,9 @@ class Rotating : public vc::Tenant {
     done_[core] = true;
     return next();
   }
-  [[noreturn]] void failed(const std::string& what, const void*) override {
-    failure = what;
+  void on_failure(const std::string& what, const void*) override {
+    what_failed = what;
     cores.switch_to(vc::host);
-    std::abort();
   }
 
   void rotate() {
@@ -87,7 +86,7 @@ class Rotating : public vc::Tenant {
   vc::Cores cores;
   std::map<std::uintptr_t, std::size_t> reads, writes;
   std::vector<vc::Order> fences;
-  std::string failure;
+  std::string what_failed;
   unsigned modifications = 0, waits = 0, allocations = 0, releases = 0;
 
  private:
@@ -174,10 +173,10 @@ TEST_F(VirtualCores, destructors_of_thread_locals_run_when_a_core_ends) {
 TEST_F(VirtualCores, condition_variables_and_atomic_wait_block_only_their_core) {
   Rotating tenant(2);
   tenant.run({function<void()>("irt_wait_for_flag"), function<void()>("irt_raise_flag")});
-  EXPECT_EQ(tenant.waits, 1U);
+  EXPECT_GE(tenant.waits, 1U);
   module.reset_globals();
   tenant.run({function<void()>("irt_atomic_wait"), function<void()>("irt_atomic_notify")});
-  EXPECT_TRUE(tenant.failure.empty()) << tenant.failure;
+  EXPECT_TRUE(tenant.what_failed.empty()) << tenant.what_failed;
 }
 
 TEST_F(VirtualCores, globals_and_statics_start_afresh) {
@@ -208,7 +207,8 @@ TEST_F(VirtualCores, exceptions_stay_on_their_core) {
   EXPECT_TRUE(first);
   EXPECT_TRUE(second);
   tenant.run({function<void()>("irt_throw")});
-  EXPECT_NE(tenant.failure.find("thrown by the probe"), std::string::npos) << tenant.failure;
+  EXPECT_NE(tenant.what_failed.find("thrown by the probe"), std::string::npos)
+      << tenant.what_failed;
 }
 
 TEST_F(VirtualCores, shared_pointers_count_atomically) {
