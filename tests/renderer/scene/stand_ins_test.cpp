@@ -1,0 +1,70 @@
+#include "renderer/scene/stand_ins.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+#include <utility>
+
+#include "renderer/scene/scenes.hpp"
+
+namespace {
+
+using irt::Mesh;
+using irt::Scene;
+using irt::Vec3;
+
+/// What a `Scene` promises of every mesh, light and material.
+void expect_sound(const Scene& scene) {
+  const Mesh& mesh = scene.mesh;
+  ASSERT_EQ(mesh.material.size(), mesh.triangles.size());
+  for (const Vec3 v : mesh.vertices) {
+    ASSERT_TRUE(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
+  }
+  for (const auto& triangle : mesh.triangles) {
+    for (const auto index : triangle) ASSERT_LT(index, mesh.vertices.size());
+  }
+  bool specular = false;
+  for (const auto index : mesh.material) {
+    ASSERT_LT(index, scene.materials.size());
+    specular |= scene.materials[index].specular != Vec3{};
+  }
+  EXPECT_TRUE(specular);
+  EXPECT_EQ(scene.lights.size(), 4u);
+  EXPECT_NE(scene.camera.eye, scene.camera.target);
+}
+
+TEST(StandIns, AreSoundAndTheSameEveryTime) {
+  ASSERT_FALSE(irt::built_in_scenes().empty());
+  for (const irt::SceneEntry& entry : irt::built_in_scenes()) {
+    SCOPED_TRACE(entry.name);
+    const Scene scene = irt::load_scene(entry.name);
+    EXPECT_EQ(scene.name, entry.name);
+    expect_sound(scene);
+    const Scene again = entry.make();
+    EXPECT_EQ(scene.mesh.vertices, again.mesh.vertices);
+    EXPECT_EQ(scene.mesh.triangles, again.mesh.triangles);
+  }
+}
+
+TEST(StandIns, HaveTheThesisTriangleCounts) {
+  EXPECT_EQ(irt::make_bunny().mesh.triangles.size(), 69'463u);
+}
+
+TEST(StandIns, BunnyIsOneClosedSurfaceOneRepetitionAndABox) {
+  const Mesh mesh = irt::make_bunny().mesh;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  double volume = 0;
+  for (std::uint32_t i = 0; i < 69'450; ++i) {
+    const auto& t = mesh.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+    volume += dot(mesh.corner(i, 0), cross(mesh.corner(i, 1), mesh.corner(i, 2))) / 6.0;
+  }
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1) << edge.first << " - " << edge.second;
+    ASSERT_EQ(edges.count({edge.second, edge.first}), 1u) << edge.first << " - " << edge.second;
+  }
+  EXPECT_GT(volume, 0.0002) << "the normals point outwards, around half a litre";
+  EXPECT_EQ(mesh.triangles[69'450], mesh.triangles[0]);
+}
+
+}  // namespace
