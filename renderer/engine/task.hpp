@@ -1,0 +1,28 @@
+/// What travels through the queue: a batch of rays, all of one kind.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "renderer/tracing/rays.hpp"
+
+namespace irt {
+
+/// Shadow tasks ask whether anything is met, the others what is met first.
+enum class TaskKind : std::uint8_t { primary, shadow, specular };
+
+inline constexpr std::size_t task_kinds = 3;
+
+struct Task {
+  explicit Task(std::uint32_t capacity) : rays(capacity) {}
+
+  TaskKind kind = TaskKind::primary;
+  std::uint32_t depth = 0;  ///< bounces since the primary ray
+  Rays rays;
+
+  /// True from the moment the task is handed to the queue until it is taken. A task that is taken
+  /// twice is thereby told from one that is taken once.
+  std::atomic<bool> queued{false};
+};
+
+}  // namespace irt

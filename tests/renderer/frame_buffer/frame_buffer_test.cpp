@@ -1,0 +1,113 @@
+#include "renderer/frame_buffer/frame_buffer.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+#include <thread>
+
+#include "renderer/frame_buffer/fixed_point.hpp"
+
+namespace irt {
+namespace {
+
+struct Contribution {
+  std::uint32_t pixel;
+  Vec3 value;
+};
+
+std::vector<Contribution> contributions(std::uint32_t pixels, std::size_t count) {
+  std::minstd_rand random(7);
+  std::uniform_real_distribution<float> light(0, 0.01f);
+  std::vector<Contribution> all(count);
+  for (Contribution& one : all) {
+    one = {static_cast<std::uint32_t>(random() % pixels),
+           {light(random), light(random), light(random)}};
+  }
+  return all;
+}
+
+// Adds everything with `threads` threads that interleave.
+void add_all(FrameBuffer& buffer, const std::vector<Contribution>& all, unsigned threads) {
+  std::vector<std::jthread> running;
+  for (unsigned t = 0; t < threads; ++t) {
+    running.emplace_back([&, t] {
+      for (std::size_t i = t; i < all.size(); i += threads) buffer.add(all[i].pixel, all[i].value);
+    });
+  }
+}
+
+TEST(FrameBuffer, SumsAgreeWithASequentialSumUnderContention) {
+  constexpr std::uint32_t width = 4, height = 2;
+  const auto all = contributions(width * height, 20'000);
+  std::vector<std::array<double, 3>> expected(width * height);
+  for (const Contribution& one : all) {
+    for (int c = 0; c < 3; ++c) expected[one.pixel][static_cast<std::size_t>(c)] += one.value[c];
+  }
+  for (const FrameBufferEntry& entry : frame_buffers()) {
+    SCOPED_TRACE(entry.name);
+    auto buffer = entry.make(width, height);
+    add_all(*buffer, all, 4);
+    for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(buffer->sum(pixel)[c], expected[pixel][static_cast<std::size_t>(c)], 1e-3);
+      }
+    }
+    buffer->clear();
+    EXPECT_EQ(buffer->sum(3), Vec3{});
+  }
+}
+
+TEST(FrameBuffer, NegativeAndNanCountAsBlack) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const FrameBufferEntry& entry : frame_buffers()) {
+    SCOPED_TRACE(entry.name);
+    auto buffer = entry.make(1, 1);
+    buffer->add(0, {nan, -1, 0.5f});
+    EXPECT_EQ(buffer->sum(0), (Vec3{0, 0, 0.5f}));
+  }
+}
+
+TEST(FrameBuffer, PictureIsTheSquareRoot) {
+  FixedPointFrameBuffer buffer(2, 1);
+  buffer.add(0, {0.25f, 1, 7});
+  const Image image = buffer.image();
+  EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{128, 255, 255, 0, 0, 0}));
+}
+
+TEST(FrameBuffer, FnvMatchesItsPublishedValues) {
+  EXPECT_EQ(fnv1a({}), 0xcbf29ce484222325u);
+  const std::uint8_t a[] = {'a'};
+  EXPECT_EQ(fnv1a(a), 0xaf63dc4c8601ec8cu);
+}
+
+TEST(FixedPoint, BitsDoNotDependOnOrderOrThreads) {
+  const auto all = contributions(8, 20'000);
+  FixedPointFrameBuffer forward(4, 2);
+  add_all(forward, all, 1);
+  FixedPointFrameBuffer threaded(4, 2);
+  add_all(threaded, {all.rbegin(), all.rend()}, 8);
+  EXPECT_EQ(forward.hash(), threaded.hash());
+}
+
+TEST(FixedPoint, OneContributionMoreChangesTheHashEvenIfBlack) {
+  FixedPointFrameBuffer buffer(4, 2);
+  const std::uint64_t empty = buffer.hash();
+  buffer.add(5, {0, 0, 0});
+  EXPECT_NE(buffer.hash(), empty);
+  EXPECT_EQ(buffer.contributions(5), 1u);
+  EXPECT_EQ(buffer.sum(5), Vec3{});
+}
+
+TEST(FixedPoint, TheBrightestSumsDoNotOverflow) {
+  FixedPointFrameBuffer buffer(1, 1);
+  const float infinity = std::numeric_limits<float>::infinity();
+  const std::uint64_t most = buffer.max_contributions();
+  for (std::uint64_t i = 0; i < most; ++i) buffer.add(0, {infinity, 1e30f, 256});
+  const float brightest = static_cast<float>(most) * FixedPointFrameBuffer::max_value;
+  EXPECT_EQ(buffer.sum(0), (Vec3{brightest, brightest, brightest}));
+  EXPECT_EQ(buffer.contributions(0), most);
+}
+
+}  // namespace
+}  // namespace irt
