@@ -121,8 +121,7 @@ double FrameStats::imbalance() const {
     all += worker.busy_ns();
   }
   if (all == 0) return 1;
-  return static_cast<double>(most) * static_cast<double>(workers.size()) /
-         static_cast<double>(all);
+  return static_cast<double>(most) * static_cast<double>(workers.size()) / static_cast<double>(all);
 }
 
 }  // namespace irt

@@ -3,7 +3,6 @@
 #ifdef IRT_HAS_HWLOC
 
 #include <hwloc.h>
-
 #include <vector>
 
 namespace irt {

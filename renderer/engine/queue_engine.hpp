@@ -113,8 +113,8 @@ class QueueEngine final : public Engine {
   std::vector<std::unique_ptr<Worker>> workers_;
   std::barrier<> barrier_;
   double clock_cost_;
-  bool end_ = false;           // END of Listing 3.3: written before the barrier, read after it
-  std::atomic<int> gate_{0};   // 1: go; -1: go home
+  bool end_ = false;          // END of Listing 3.3: written before the barrier, read after it
+  std::atomic<int> gate_{0};  // 1: go; -1: go home
   std::atomic<unsigned> unpinned_{0};
   std::size_t forgotten_ = 0;  // tasks lost in earlier frames
   std::mutex error_mutex_;

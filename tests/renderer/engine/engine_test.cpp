@@ -1,0 +1,203 @@
+#include "renderer/engine/engine.hpp"
+
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <string>
+
+#include "renderer/engine/placement.hpp"
+#include "tests/renderer/engine/brute_force.hpp"
+#include "tests/renderer/engine/test_queues.hpp"
+
+namespace irt {
+namespace {
+
+constexpr QueueEntry plain = queue_entry<PlainQueue>("plain");
+constexpr QueueEntry own = queue_entry<OwnQueues>("own");
+constexpr QueueEntry tiny = queue_entry<TinyQueue>("tiny");
+constexpr QueueEntry single = queue_entry<SingleQueue>("single");
+constexpr QueueEntry lossy = queue_entry<LossyQueue>("lossy");
+constexpr QueueEntry doubling = queue_entry<DoublingQueue>("doubling");
+
+/// Counts every ray of a tree: task `i` of the first ones has i + 1 rays; every ray at a depth
+/// below `depth` makes one shadow and one specular ray.
+class TreeCount final : public Application {
+ public:
+  TreeCount(std::uint32_t roots, std::uint32_t max_depth) : roots_(roots), depth_(max_depth) {}
+
+  void start_frame(TaskSink& tasks) override {
+    count = 0;
+    for (std::uint32_t i = 0; i < roots_; ++i) {
+      Task& task = tasks.add(TaskKind::primary, 0);
+      for (std::uint32_t k = 0; k <= i; ++k) task.rays.add({{}, {1, 0, 0}}, {1, 1, 1}, i);
+    }
+    tasks.add(TaskKind::primary, 0);  // stays empty: dropped
+  }
+  void on_hits(const Task& task, const Hits& hits, TaskSink& tasks) override {
+    EXPECT_NE(task.kind, TaskKind::shadow);
+    EXPECT_GT(task.rays.size, 0u);
+    EXPECT_EQ(hits.triangle[task.rays.size - 1], no_triangle);
+    count += task.rays.size;
+    if (throw_at != 0 && count >= throw_at) throw std::runtime_error("enough");
+    if (task.depth == depth_) return;
+    Task& shadow = tasks.add(TaskKind::shadow, task.depth);
+    Task& specular = tasks.add(TaskKind::specular, task.depth + 1);
+    tasks.add(TaskKind::specular, 0);  // stays empty: dropped
+    for (std::uint32_t i = 0; i < task.rays.size; ++i) {
+      shadow.rays.add(task.rays.ray(i), {}, task.rays.pixel[i]);
+      specular.rays.add(task.rays.ray(i), {}, task.rays.pixel[i]);
+    }
+  }
+  void on_occlusion(const Task& task, std::span<const std::uint8_t> occluded,
+                    TaskSink& /*tasks*/) override {
+    EXPECT_EQ(task.kind, TaskKind::shadow);
+    EXPECT_EQ(occluded.size(), task.rays.size);
+    count += task.rays.size;
+  }
+  void finish_frame() override { ++frames; }
+
+  std::uint64_t rays() const { return std::uint64_t{roots_} * (roots_ + 1) / 2 * (2 * depth_ + 1); }
+
+  std::atomic<std::uint64_t> count{0};
+  std::uint64_t throw_at = 0;
+  int frames = 0;
+
+ private:
+  std::uint32_t roots_, depth_;
+};
+
+struct EngineTest : testing::Test {
+  Mesh empty;
+  BruteForce accelerator{empty};
+
+  EngineOptions options(unsigned threads, Termination termination) const {
+    return {
+        .threads = threads, .rays_per_task = 64, .termination = termination, .queue_capacity = 512};
+  }
+};
+
+TEST_F(EngineTest, EveryTaskIsTracedOnceAndComesBackToThePool) {
+  for (const QueueEntry* queue : {&plain, &own, &tiny, &single}) {
+    for (const TerminationEntry& termination : terminations()) {
+      for (const unsigned threads : {1u, 2u, 3u, 8u, 16u}) {
+        SCOPED_TRACE(std::string(queue->name) + " " + std::string(termination.name) + " " +
+                     std::to_string(threads));
+        auto engine = make_engine(options(threads, termination.policy), *queue, accelerator);
+        TreeCount application(60, 5);
+        for (int frame = 0; frame < 5; ++frame) {
+          const FrameStats stats = engine->run(application);
+          ASSERT_EQ(application.count, application.rays());
+          EXPECT_EQ(stats.rays(), application.rays());
+          EXPECT_EQ(stats.total().tasks, 60u * 11);
+          EXPECT_EQ(stats.total().added, 60u * 10);
+          EXPECT_EQ(stats.lost + stats.doubled, 0u);
+          EXPECT_EQ(engine->tasks_in_use(), 0u);
+        }
+        EXPECT_EQ(application.frames, 5);
+        EXPECT_GE(engine->tasks_allocated(), 60u);
+      }
+    }
+  }
+}
+
+TEST_F(EngineTest, MemoryStopsGrowing) {
+  auto engine = make_engine(options(4, Termination::outstanding_count), plain, accelerator);
+  TreeCount application(60, 5);
+  for (int frame = 0; frame < 200; ++frame) engine->run(application);
+  // At most 60 * 11 tasks exist in a frame; level lists leave each of 4 workers at most that many.
+  EXPECT_LE(engine->tasks_allocated(), 4u * 60 * 11);
+}
+
+TEST_F(EngineTest, AFrameWithoutTasksEnds) {
+  for (const TerminationEntry& termination : terminations()) {
+    auto engine = make_engine(options(3, termination.policy), plain, accelerator);
+    TreeCount application(0, 5);
+    EXPECT_EQ(engine->run(application).rays(), 0u);
+    EXPECT_EQ(application.frames, 1);
+  }
+}
+
+TEST_F(EngineTest, ABoundedQueueOverflowsToTheWorker) {
+  auto engine = make_engine(options(2, Termination::outstanding_count), tiny, accelerator);
+  TreeCount application(60, 5);
+  EXPECT_GT(engine->run(application).total().overflowed, 0u);
+}
+
+TEST_F(EngineTest, ALostTaskIsReportedNotWaitedFor) {
+  for (const TerminationEntry& termination : terminations()) {
+    auto engine = make_engine(options(3, termination.policy), lossy, accelerator);
+    TreeCount application(20, 2);
+    EXPECT_EQ(engine->run(application).lost, 1u);
+    EXPECT_LT(application.count, application.rays());
+    const FrameStats next = engine->run(application);
+    EXPECT_EQ(next.lost, 0u);
+    EXPECT_EQ(application.count, application.rays());
+  }
+}
+
+TEST_F(EngineTest, ADoubledTaskIsReportedAndTracedTwice) {
+  for (const TerminationEntry& termination : terminations()) {
+    for (const unsigned threads : {1u, 4u}) {
+      auto engine = make_engine(options(threads, termination.policy), doubling, accelerator);
+      TreeCount application(20, 2);
+      const FrameStats stats = engine->run(application);
+      EXPECT_EQ(stats.doubled, 1u);
+      EXPECT_EQ(stats.lost, 0u);
+      EXPECT_GT(application.count, application.rays());
+      engine->run(application);
+      EXPECT_EQ(application.count, application.rays());
+    }
+  }
+}
+
+TEST_F(EngineTest, WhatTheApplicationThrowsArrivesAndTheEngineGoesOn) {
+  auto engine = make_engine(options(3, Termination::outstanding_count), plain, accelerator);
+  TreeCount application(60, 5);
+  application.throw_at = 100;
+  EXPECT_THROW(engine->run(application), std::runtime_error);
+  EXPECT_EQ(engine->tasks_in_use(), 0u);
+  application.throw_at = 0;
+  engine->run(application);
+  EXPECT_EQ(application.count, application.rays());
+}
+
+TEST_F(EngineTest, ACancelledFrameIsThrownAway) {
+  std::atomic<bool> cancel{true};
+  EngineOptions wanted = options(3, Termination::outstanding_count);
+  wanted.cancel = &cancel;
+  auto engine = make_engine(wanted, plain, accelerator);
+  TreeCount application(60, 5);
+  EXPECT_TRUE(engine->run(application).cancelled);
+  EXPECT_EQ(application.count, 0u);
+  cancel = false;
+  EXPECT_FALSE(engine->run(application).cancelled);
+  EXPECT_EQ(application.count, application.rays());
+}
+
+TEST_F(EngineTest, TimesAddUpToTheFrame) {
+  for (const bool measure : {true, false}) {
+    EngineOptions wanted = options(2, Termination::outstanding_count);
+    wanted.measure = measure;
+    wanted.profile_every = 7;
+    auto engine = make_engine(wanted, plain, accelerator);
+    TreeCount application(60, 5);
+    const FrameStats stats = engine->run(application);
+    EXPECT_GT(stats.render_s, 0);
+    for (const WorkerStats& worker : stats.workers) {
+      const auto accounted = worker.busy_ns() + worker.idle_ns + worker.barrier_ns;
+      EXPECT_LE(static_cast<double>(accounted), stats.render_s * 1e9);
+    }
+    EXPECT_EQ(stats.total().busy_ns() > 0, measure);
+    EXPECT_EQ(stats.total().profile.intersect_ns > 0, measure);
+    EXPECT_GE(stats.imbalance(), 1);
+  }
+}
+
+TEST_F(EngineTest, PinningIsReported) {
+  EngineOptions wanted = options(4, Termination::outstanding_count);
+  EXPECT_FALSE(make_engine(wanted, plain, accelerator)->pinned());
+  wanted.pin = true;
+  EXPECT_EQ(make_engine(wanted, plain, accelerator)->pinned(), can_pin());
+}
+
+}  // namespace
+}  // namespace irt
