@@ -15,6 +15,8 @@
 # `irt_queue_headers` for all of them. The global property IRT_QUEUES lists the names in the order
 # of registration, which is the order on the command line.
 
+include(optional_part)
+
 function(irt_add_queue name header class)
   cmake_parse_arguments(PARSE_ARGV 3 ARG "" "PACKAGE" "REQUIRES")
   if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
@@ -30,10 +32,13 @@ function(irt_add_queue name header class)
   endif()
   foreach(target IN LISTS ARG_REQUIRES)
     if(NOT TARGET ${target})
-      message(STATUS "queue ${name}: off, ${target} not found (${ARG_PACKAGE})")
+      optional_part("queue ${name}" "${ARG_PACKAGE}" FALSE)
       return()
     endif()
   endforeach()
+  if(ARG_PACKAGE)
+    optional_part("queue ${name}" "${ARG_PACKAGE}" TRUE)
+  endif()
 
   cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_property(GLOBAL APPEND PROPERTY IRT_QUEUES ${name})

@@ -1,0 +1,105 @@
+# Which Debian packages a command needs and why, and their installation.
+
+declare -A package_purpose=(
+  [g++]='compiles the project'
+  [cmake]='configures the build'
+  [ninja-build]='runs the build'
+  [libcli11-dev]='command lines of the tools'
+  [libfmt-dev]='formatted output'
+  [nlohmann-json3-dev]='results as JSON'
+  [libhwloc-dev]='what the processor looks like; pinning of threads'
+  [libtbb-dev]='oneTBB, whose queue is compared'
+  [libboost-dev]='Boost.Lockfree, whose queue is compared'
+  [libpng-dev]='writes the frames'
+  [libtinyobjloader-dev]='reads OBJ scenes'
+  [libgtest-dev]='GoogleTest, for the tests'
+  [clang]='compiles with a second compiler; fuzzers'
+  [clang-format]='checks the formatting'
+  [clang-tidy]='checks the source for known mistakes'
+)
+packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libhwloc-dev
+  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev)
+packages_test=("${packages_tools[@]}" libgtest-dev)
+packages_full=("${packages_test[@]}" clang)
+packages_format=(clang-format)
+packages_tidy=("${packages_full[@]}" clang-tidy)
+
+# Prints those of the named packages that are not installed, one a line.
+missing_packages() {
+  local -A installed=()
+  local state package
+  while read -r state package _; do
+    [[ $state == ?i ]] && installed[$package]=1
+  done < <(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' "$@" 2>/dev/null)
+  for package; do
+    [[ -n ${installed[$package]:-} ]] || printf '%s\n' "$package"
+  done
+}
+
+list_purposes() {
+  local package
+  for package; do
+    printf '  %-22s %s\n' "$package" "${package_purpose[$package]}" >&2
+  done
+}
+
+# apt_step TITLE LOG ARGUMENTS... : apt-get as root, without questions, as a step with progress.
+apt_step() {
+  local title=$1 log=$2
+  shift 2
+  run_step "$title" "$log" $step_prefix env DEBIAN_FRONTEND=noninteractive \
+    apt-get -y -o APT::Status-Fd=1 -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=300 "$@"
+}
+
+# Installs what is missing of the named packages.
+ensure_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    ensure_tools_elsewhere "$@"
+    return
+  fi
+  local -a missing
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]})) || return 0
+
+  say "irt needs these Debian packages, which are not installed:"
+  list_purposes "${missing[@]}"
+  step_prefix=''
+  if ((EUID != 0)); then
+    # The password, if any, is asked for here, where the terminal is still the user's.
+    if ! { sudo -n true || { [[ -t 0 ]] && sudo -v; }; } 2>/dev/null; then
+      say "irt: installing them needs root, and sudo is not available to this user. As root, run"
+      say "  apt-get install --no-install-recommends ${missing[*]}"
+      exit 1
+    fi
+    step_prefix='sudo -n'
+  fi
+
+  local log=$logs/install.log known
+  known=$(apt-cache show --no-all-versions -- "${missing[@]}" 2>/dev/null | grep -c '^Package:')
+  if ((known < ${#missing[@]})); then
+    apt_step 'Reading the package lists' "$logs/update.log" update ||
+      say "irt: the package lists could not be renewed (see $logs/update.log); trying all the same"
+  fi
+  if ! apt_step 'Installing packages' "$log" install --no-install-recommends "${missing[@]}"; then
+    # Most often the lists are older than the archive.
+    if ! { apt_step 'Reading the package lists' "$logs/update.log" update &&
+      apt_step 'Installing packages' "$log" install --no-install-recommends "${missing[@]}"; }; then
+      say "irt: the packages could not be installed"
+      show_failure "$log"
+      exit 1
+    fi
+  fi
+  step_prefix=''
+}
+
+# On another system the user installs; all that can be checked is the tools.
+ensure_tools_elsewhere() {
+  local tool
+  for tool in g++ cmake ninja; do
+    command -v "$tool" >/dev/null && continue
+    say "irt: $tool is not installed, and this system has no apt-get to install it with."
+    say "What is needed, by the names of the Debian packages:"
+    list_purposes "$@"
+    exit 1
+  done
+}

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Commands, options and what reaches the tool behind them.
+source "$(dirname -- "$0")/sandbox.sh"
+
+help_names_every_command() {
+  local command
+  for command in help --help -h; do
+    irt "$command"
+    expect_code 0
+    local known
+    for known in compare render list doctor test lint help; do
+      grep -qE "^  $known " "$work/out" || fail "$command does not name $known"
+    done
+  done
+  irt help test
+  expect_code 0
+  expect_in out --sanitizer
+}
+
+unknown_command_names_the_nearest() {
+  irt rendr --scene x
+  expect_code 2
+  expect_in err "'rendr' is not a command; the nearest is 'render'"
+  irt tset
+  expect_code 2
+  expect_in err "the nearest is 'test'"
+  irt help dcotor
+  expect_code 2
+  expect_in err "the nearest is 'doctor'"
+  [[ ! -e $project/build ]] || fail "something was built"
+}
+
+unknown_option_of_test_is_refused() {
+  irt test --fast
+  expect_code 2
+  expect_in err --fast
+  irt test --sanitizer msan
+  expect_code 2
+  expect_in err 'known are asan and tsan'
+  irt lint spelling
+  expect_code 2
+  expect_in err 'known are format and tidy'
+}
+
+arguments_and_directory_reach_the_tool() {
+  mkdir "$work/else where"
+  cd "$work/else where" || exit 1
+  irt render 'two words' '' '*' --out 'a"b' "it's"
+  expect_code 0
+  printf '%s\n' "in <$work/else where>" '<render>' '<two words>' '<>' '<*>' '<--out>' '<a"b>' \
+    "<it's>" >"$work/expected"
+  diff "$work/expected" "$work/out" || fail "arguments changed"
+  [[ -z $(ls -A) ]] || fail "something was left in the caller's directory"
+
+  ln -s "$project/irt" "$work/linked"
+  "$work/linked" list >"$work/out" 2>"$work/err" || fail "not to be called through a link"
+  expect_in out '<list>'
+}
+
+options_without_a_command_compare() {
+  irt
+  expect_in out '<compare>'
+  irt --out 'my results'
+  expect_code 0
+  tail -n 3 "$work/out" | diff - <(printf '<%s>\n' compare --out 'my results') || fail "not passed on"
+}
+
+changed_source_is_rebuilt() {
+  irt list
+  expect_not_in out changed
+  sed -i 's/in </changed </' "$project/bench/main.cpp"
+  irt list
+  expect_in out changed
+}
+
+second_start_configures_nothing() {
+  irt list
+  [[ -f $project/build/logs/configure-release.log ]] || fail "the first start did not configure"
+  rm -f "$project/build/logs/configure-release.log"
+  irt list
+  expect_code 0
+  [[ ! -e $project/build/logs/configure-release.log ]] || fail "the second start configured"
+  [[ ! -s $work/err ]] || fail "the second start talked"
+  touch "$project/moved"
+  mv "$project" "$work/new place"
+  project="$work/new place"
+  irt list
+  expect_code 0
+  expect_in out '<list>'
+}
+
+run_case "$@"

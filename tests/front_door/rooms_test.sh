@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Arrows between rooms run downwards only.
+source "$(dirname -- "$0")/sandbox.sh"
+
+check() {
+  code=0
+  bash "$top/tests/front_door/rooms.sh" "$1" >"$work/out" 2>"$work/err" || code=$?
+}
+
+rooms_include_downwards() {
+  check "$top"
+  expect_code 0
+}
+
+upward_include_is_found() {
+  mkdir -p "$work/tree/queues/blocking" "$work/tree/bench"
+  echo '#include "queues/work_queue.hpp"' >"$work/tree/queues/blocking/good.hpp"
+  echo '#include "queues/registry.hpp"' >"$work/tree/bench/good.cpp"
+  check "$work/tree"
+  expect_code 0
+  echo '#include "renderer/tracing/rays.hpp"' >"$work/tree/queues/blocking/bad.hpp"
+  check "$work/tree"
+  expect_code 1
+  expect_in out 'queues/blocking/bad.hpp:1: queues/ may not include "renderer/tracing/rays.hpp"'
+}
+
+foreign_room_is_found() {
+  mkdir -p "$work/tree/renderer" "$work/tree/stress"
+  echo '#include "queues/work_queue.hpp"' >"$work/tree/renderer/good.hpp"
+  check "$work/tree"
+  expect_code 0
+  echo '#include "queues/registry.hpp"' >"$work/tree/renderer/bad.hpp"
+  echo '#include "renderer/scene/scene.hpp"' >"$work/tree/stress/bad.cpp"
+  check "$work/tree"
+  expect_code 1
+  [[ $(wc -l <"$work/out") -eq 2 ]] || fail "not both found"
+}
+
+run_case "$@"
