@@ -33,7 +33,7 @@ std::string_view nearest(std::string_view name, std::span<const std::string_view
   std::string_view best;
   // A name longer than any of ours is not worth a quadratic comparison.
   if (name.size() > 64) return best;
-  std::size_t fewest = (name.size() + 1) / 2 + 1;
+  std::size_t fewest = std::max<std::size_t>(name.size() / 3, 1) + 1;
   for (const std::string_view candidate : candidates) {
     const std::size_t changes = distance(name, candidate);
     if (changes < fewest) {

@@ -8,8 +8,8 @@
 namespace irt {
 
 /// The candidate with the fewest insertions, deletions, substitutions and swaps of neighbours from
-/// `name` (Damerau 1964, restricted); the first of several. Empty where none is near: more than
-/// half of `name` would have to change.
+/// `name` (Damerau 1964, restricted); the first of several. Empty where none is near: more than a
+/// third of `name`, and more than one letter, would have to change.
 std::string_view nearest(std::string_view name, std::span<const std::string_view> candidates);
 
 /// One line for a name that is not among the candidates: what was given, what may have been meant,

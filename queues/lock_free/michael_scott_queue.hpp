@@ -66,8 +66,8 @@ class MichaelScottQueue {
     Node* node = new Node{task};
     for (;;) {
       Node* last = hazards_.protect(worker, 0, tail_);
-      // (1) acquire: pairs with (2), so that the node we may move `tail_` to is whole for whoever
-      // then reads it from there
+      // (1) acquire: pairs with (2), so that a node we move `tail_` to is whole for who reads it
+      // there
       Node* next = last->next.load(std::memory_order_acquire);
       if (next != nullptr) {
         move_tail(last, next);
@@ -98,8 +98,8 @@ class MichaelScottQueue {
         continue;
       }
       const T taken = next->task;
-      // (6) release: pairs with the load in protect(), which acquires: whoever reads `next` there
-      // finds the node whole, and `tail_` no further back than (4) has seen it.
+      // (6) release: pairs with the load in protect() of hazard_pointers.hpp, so that whoever reads
+      // `next` there finds the node whole and `tail_` no further back than it is seen here.
       // relaxed on failure: nothing is read
       Node* expected = first;
       if (head_.compare_exchange_strong(expected, next, std::memory_order_release,
@@ -118,14 +118,14 @@ class MichaelScottQueue {
   };
 
   void move_tail(Node* from, Node* to) {
-    // (5) release: pairs with (4), and with the load in protect(), which acquires, so that `to` is
-    // whole for who reads it from `tail_`. relaxed on failure: another thread has done it
+    // (5) release: pairs with (4) and with the load in protect() of hazard_pointers.hpp, so that
+    // `to` is whole for who reads it from `tail_`. relaxed on failure: another thread has done it
     tail_.compare_exchange_strong(from, to, std::memory_order_release, std::memory_order_relaxed);
   }
 
   HazardPointers<Node, 2> hazards_;
   alignas(cache_line_pair) std::atomic<Node*> head_{new Node};
-  alignas(cache_line_pair) std::atomic<Node*> tail_{head_.load(std::memory_order_relaxed)};
+  alignas(cache_line_pair) std::atomic<Node*> tail_{head_.load()};
 };
 
 }  // namespace irt

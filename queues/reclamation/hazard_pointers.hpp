@@ -59,8 +59,8 @@ class HazardPointers {
   /// is safe to read until the slot is used again. Wait-free.
   bool publish(unsigned worker, std::size_t slot, Node* node, const std::atomic<Node*>& source,
                const Node* expected) {
-    // Both seq_cst: the load must not overtake the store. As a release the store also ends the use
-    // of the slot's former node, (1) in scan() acquires it.
+    // (1) seq_cst: the load below must not overtake this store. As a release it also ends the use
+    // of the slot's former node, and pairs with (2) in scan()
     hazards_[worker].slot[slot].store(node, std::memory_order_seq_cst);
     return source.load(std::memory_order_seq_cst) == expected;
   }
@@ -99,8 +99,8 @@ class HazardPointers {
     mine.hazards.clear();
     for (const Hazards& hazards : hazards_)
       for (const std::atomic<Node*>& slot : hazards.slot)
-        // (1) acquire: pairs with the release that a seq_cst store in publish() is, so that the
-        // reader's last look at a node happens before it is freed
+        // (2) acquire: pairs with (1) in publish(), so that a reader's last look at a node happens
+        // before the node is freed
         mine.hazards.push_back(slot.load(std::memory_order_acquire));
     std::sort(mine.hazards.begin(), mine.hazards.end());
     const auto kept =
