@@ -1,0 +1,42 @@
+/// The application of the thesis: a picture of a scene.
+#pragma once
+
+#include <cstdint>
+
+#include "renderer/engine/application.hpp"
+#include "renderer/frame_buffer/frame_buffer.hpp"
+#include "renderer/scene/scene.hpp"
+#include "renderer/shading/shader.hpp"
+
+namespace irt {
+
+/// Shoots one primary ray per pixel, tile by tile, and lets a shader take it from there.
+class ImageRendering final : public Application {
+ public:
+  /// Everything given outlives the application. `rays_per_task` is at most the engine's. Throws
+  /// std::invalid_argument where the frame buffer could overflow.
+  ImageRendering(const Camera& camera, FrameBuffer& frame, const Shader& shader,
+                 std::uint32_t rays_per_task);
+
+  void start_frame(TaskSink& tasks) override;
+  void on_hits(const Task& task, const Hits& hits, TaskSink& tasks) override {
+    shader_.on_hits(task, hits, tasks);
+  }
+  void on_occlusion(const Task& task, std::span<const std::uint8_t> occluded,
+                    TaskSink& tasks) override {
+    shader_.on_occlusion(task, occluded, tasks);
+  }
+  void finish_frame() override { image_ = frame_.image(); }
+
+  /// The last frame.
+  const Image& image() const { return image_; }
+
+ private:
+  const Camera& camera_;
+  FrameBuffer& frame_;
+  const Shader& shader_;
+  std::uint32_t rays_per_task_;
+  Image image_;
+};
+
+}  // namespace irt

@@ -1,0 +1,52 @@
+/// What a shader does: it turns the answers of rays into light at pixels and into further rays.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "renderer/engine/task.hpp"
+#include "renderer/engine/task_pool.hpp"
+#include "renderer/frame_buffer/frame_buffer.hpp"
+#include "renderer/scene/scene.hpp"
+
+namespace irt {
+
+struct ShaderOptions {
+  /// Bounces after which a path ends. The thesis calls its ray trees shallow.
+  std::uint32_t max_depth = 4;
+};
+
+/// Every ray given to a shader adds exactly one contribution to its pixel, if only a black one.
+/// Methods are called by any number of threads at once.
+class Shader {
+ public:
+  Shader() = default;
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+  virtual ~Shader() = default;
+
+  /// Takes what the rays of a primary or specular task met first.
+  virtual void on_hits(const Task& task, const Hits& hits, TaskSink& tasks) const = 0;
+
+  /// Takes which rays of a shadow task met anything: 1 or 0 per ray.
+  virtual void on_occlusion(const Task& task, std::span<const std::uint8_t> occluded,
+                            TaskSink& tasks) const = 0;
+
+  /// The most rays that one pixel can cost, and so the most contributions it can get.
+  virtual std::uint64_t max_rays_per_pixel() const = 0;
+};
+
+/// A shader by name, as the tools see it. Scene and frame buffer outlive the shader.
+struct ShaderEntry {
+  std::string_view name;
+  std::string_view summary;
+  std::unique_ptr<Shader> (*make)(const Scene& scene, FrameBuffer& frame,
+                                  const ShaderOptions& options);
+};
+
+/// All shaders, the default first.
+std::span<const ShaderEntry> shaders();
+
+}  // namespace irt

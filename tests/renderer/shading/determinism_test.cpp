@@ -1,0 +1,94 @@
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <string>
+
+#include "queues/registry.hpp"
+#include "renderer/frame_buffer/fixed_point.hpp"
+#include "renderer/scene/scenes.hpp"
+#include "tests/renderer/engine/test_queues.hpp"
+#include "tests/renderer/shading/render.hpp"
+
+namespace irt {
+namespace {
+
+int repetitions() {
+  const char* wanted = std::getenv("IRT_REPETITIONS");  // NOLINT(concurrency-mt-unsafe)
+  return wanted == nullptr ? 2 : std::atoi(wanted);     // NOLINT(cert-err34-c)
+}
+
+// A scene with what renders it; built once.
+struct Stage {
+  explicit Stage(const SceneEntry& entry)
+      : scene(entry.make()),
+        structure(accelerators().front().build(scene.mesh)),
+        frame(48, 48),
+        shader(shaders().front().make(scene, frame, {})),
+        application(scene.camera, frame, *shader, rays_per_task) {}
+
+  static constexpr std::uint32_t rays_per_task = 32;  // many small tasks, for many interleavings
+
+  Scene scene;
+  std::unique_ptr<Accelerator> structure;
+  FixedPointFrameBuffer frame;
+  std::unique_ptr<Shader> shader;
+  ImageRendering application;
+
+  EngineOptions options(unsigned threads, Termination termination) const {
+    return {.threads = threads, .rays_per_task = rays_per_task, .termination = termination};
+  }
+  std::uint64_t hash(const EngineOptions& options, const QueueEntry& queue) {
+    make_engine(options, queue, *structure)->run(application);
+    return frame.hash();
+  }
+};
+
+TEST(Determinism, TheHashIsTheSameForEveryQueueThreadCountAndPolicy) {
+  for (const SceneEntry& entry : built_in_scenes()) {
+    Stage stage(entry);
+    const std::uint64_t expected =
+        stage.hash(stage.options(1, Termination::leave_when_empty), built_in_queues().front());
+    for (const QueueEntry& queue : built_in_queues()) {
+      for (const TerminationEntry& termination : terminations()) {
+        for (const unsigned threads : {1u, 2u, 3u, 5u, 8u, 16u}) {
+          SCOPED_TRACE(std::string(entry.name) + " " + std::string(queue.name) + " " +
+                       std::string(termination.name) + " " + std::to_string(threads));
+          auto engine =
+              make_engine(stage.options(threads, termination.policy), queue, *stage.structure);
+          for (int i = 0; i < repetitions(); ++i) {
+            const FrameStats stats = engine->run(stage.application);
+            ASSERT_EQ(stage.frame.hash(), expected);
+            ASSERT_EQ(stats.lost + stats.doubled + engine->tasks_in_use(), 0u);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Determinism, ALostOrDoubledTaskChangesTheHash) {
+  for (const SceneEntry& entry : built_in_scenes()) {
+    Stage stage(entry);
+    const auto options = stage.options(2, Termination::leave_when_empty);
+    const std::uint64_t expected = stage.hash(options, queue_entry<PlainQueue>("plain"));
+    EXPECT_NE(stage.hash(options, queue_entry<LossyQueue>("lossy")), expected);
+    EXPECT_NE(stage.hash(options, queue_entry<DoublingQueue>("doubling")), expected);
+  }
+}
+
+TEST(Determinism, FrameBuffersAgreeWithEachOther) {
+  const Scene scene = built_in_scenes().front().make();
+  const auto exact = frame_buffers().front().make(48, 48);
+  render(scene, *exact, built_in_queues().front(), {.threads = 3});
+  for (const FrameBufferEntry& entry : frame_buffers().subspan(1)) {
+    const auto frame = entry.make(48, 48);
+    render(scene, *frame, built_in_queues().front(), {.threads = 3});
+    for (std::uint32_t pixel = 0; pixel < frame->pixels(); ++pixel) {
+      for (int channel = 0; channel < 3; ++channel) {
+        EXPECT_NEAR(frame->sum(pixel)[channel], exact->sum(pixel)[channel], 1e-5) << entry.name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace irt

@@ -1,0 +1,73 @@
+#include "renderer/shading/image.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <set>
+
+#include "renderer/shading/primary_rays.hpp"
+#include "renderer/shading/whitted.hpp"
+
+namespace irt {
+namespace {
+
+TEST(PrimaryRays, MeetThePicturePlaneWhereTheirPixelIs) {
+  const Camera camera{{1, 2, 3}, {1, 2, -7}, {0, 1, 0}, 90};
+  const PrimaryRays rays(camera, 40, 20);
+  const Ray centre = rays.through(20, 10);  // half a pixel right and below the middle
+  EXPECT_EQ(centre.origin, camera.eye);
+  EXPECT_NEAR(centre.direction.z, -1, 1e-6);
+  EXPECT_NEAR(centre.direction.x, 0.05, 1e-6);
+  EXPECT_NEAR(centre.direction.y, -0.05, 1e-6);
+  const Ray corner = rays.through(0, 0);
+  EXPECT_NEAR(corner.direction.x, -2 + 0.05, 1e-6);  // 90 degrees high, twice as wide
+  EXPECT_NEAR(corner.direction.y, 1 - 0.05, 1e-6);
+}
+
+TEST(PrimaryRays, LookingAlongUpStillGivesAPicture) {
+  const PrimaryRays rays({{0, 5, 0}, {0, 0, 0}, {0, 1, 0}, 60}, 10, 10);
+  const Vec3 direction = rays.through(3, 8).direction;
+  EXPECT_TRUE(std::isfinite(direction.x + direction.y + direction.z));
+}
+
+TEST(ImageRendering, EveryPixelGetsOnePrimaryRayInCompactBlocks) {
+  Scene scene;
+  scene.lights.resize(4);
+  for (const auto& [width, height] : {std::pair{64u, 32u}, {300u, 300u}, {1u, 1u}, {17u, 3u}}) {
+    const auto frame = frame_buffers().front().make(width, height);
+    const Whitted shader(scene, *frame, {});
+    ImageRendering application(scene.camera, *frame, shader, 256);
+    TaskPool pool(1, 256);
+    TaskSink sink(pool, 0);
+    application.start_frame(sink);
+
+    std::set<std::uint32_t> pixels;
+    for (const Task* task : sink.finish()) {
+      EXPECT_EQ(task->kind, TaskKind::primary);
+      for (std::uint32_t i = 0; i < task->rays.size; ++i) {
+        EXPECT_EQ(task->rays.weight(i), (Vec3{1, 1, 1}));
+        EXPECT_TRUE(pixels.insert(task->rays.pixel[i]).second);
+      }
+      if (width % 16 != 0 || height % 16 != 0) continue;
+      for (std::uint32_t packet = 0; packet < task->rays.size; packet += 16) {  // a 4 x 4 block
+        const std::uint32_t first = task->rays.pixel[packet];
+        for (std::uint32_t i = packet; i < packet + 16; ++i) {
+          EXPECT_LT(task->rays.pixel[i] % width - first % width, 4u);
+          EXPECT_LT(task->rays.pixel[i] / width - first / width, 4u);
+        }
+      }
+    }
+    EXPECT_EQ(pixels.size(), std::size_t{width} * height);
+  }
+}
+
+TEST(ImageRendering, RefusesWhatCouldOverflowTheFrameBuffer) {
+  Scene scene;
+  scene.lights.resize(20'000);
+  const auto frame = frame_buffers().front().make(4, 4);
+  EXPECT_NO_THROW(ImageRendering(scene.camera, *frame, Whitted(scene, *frame, {2}), 256));
+  EXPECT_THROW(ImageRendering(scene.camera, *frame, Whitted(scene, *frame, {3}), 256),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace irt
