@@ -4,6 +4,7 @@
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/bvh/brute_force.hpp"
 #include "renderer/bvh/goncalves.hpp"
+#include "renderer/bvh/wide.hpp"
 
 namespace irt {
 namespace {
@@ -14,6 +15,8 @@ std::unique_ptr<Accelerator> build(const Mesh& mesh) {
 }
 
 constexpr std::array entries{
+    AcceleratorEntry{"wide", "eight children per node, SIMD, built in parallel: the fastest",
+                     build<Wide>},
     AcceleratorEntry{"goncalves", "binary, pointers, one triangle per leaf (thesis 5.1)",
                      build<Goncalves>},
     AcceleratorEntry{"none", "every ray meets every triangle", build<BruteForce>},

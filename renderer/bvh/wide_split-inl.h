@@ -1,0 +1,272 @@
+/// Where to split a set of triangles: binning by centre and the sweep over the bins. Included once
+/// per instruction set.
+#if defined(IRT_WIDE_SPLIT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef IRT_WIDE_SPLIT_INL
+#undef IRT_WIDE_SPLIT_INL
+#else
+#define IRT_WIDE_SPLIT_INL
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <hwy/highway.h>
+#include <limits>
+
+#include "renderer/bvh/wide_bvh.hpp"
+#include "renderer/tracing/intersection.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace irt::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Four = hn::CappedTag<float, 4>;
+static_assert(hn::MaxLanes(Four()) == 4, "boxes are handled as four floats");
+using FourFloats = hn::Vec<Four>;
+
+/// Lower and negated upper corner, so that one minimum grows both. Fourth lanes are free.
+struct alignas(32) SignedBox {
+  float lower[4];
+  float minus_upper[4];
+
+  static SignedBox empty() {
+    return {{infinity, infinity, infinity, infinity}, {infinity, infinity, infinity, infinity}};
+  }
+  static constexpr float infinity = std::numeric_limits<float>::infinity();
+
+  void add(const SignedBox& other) {
+    const Four d;
+    hn::Store(hn::Min(hn::Load(d, lower), hn::Load(d, other.lower)), d, lower);
+    hn::Store(hn::Min(hn::Load(d, minus_upper), hn::Load(d, other.minus_upper)), d, minus_upper);
+  }
+  Box box() const {
+    return {{lower[0], lower[1], lower[2]}, {-minus_upper[0], -minus_upper[1], -minus_upper[2]}};
+  }
+};
+
+/// A triangle as the builder sees it: its box, and its number in the free lane.
+struct Reference : SignedBox {
+  Reference(const Box& box, std::uint32_t triangle)
+      : SignedBox{{box.lo.x, box.lo.y, box.lo.z, std::bit_cast<float>(triangle)},
+                  {-box.hi.x, -box.hi.y, -box.hi.z, 0}} {}
+  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(lower[3]); }
+
+  FourFloats center() const {
+    const Four d;
+    const FourFloats half = hn::Set(d, 0.5f);
+    return hn::Sub(hn::Mul(hn::Load(d, lower), half), hn::Mul(hn::Load(d, minus_upper), half));
+  }
+};
+
+/// A stretch of references in one of two buffers, and the box around them.
+struct Range {
+  std::uint32_t begin, end;
+  std::uint32_t buffer;
+  int depth;
+  float area;
+  Box box;
+
+  std::uint32_t count() const { return end - begin; }
+};
+
+/// Half of a box's surface, in a unit of length in which nothing overflows.
+struct Measure {
+  float unit = 1;
+
+  float half_area(const Box& box) const {
+    const Vec3 d = box.hi * unit - box.lo * unit;
+    return d.x * d.y + d.y * d.z + d.z * d.x;
+  }
+};
+
+inline float blocks_of(std::uint32_t count) {
+  return static_cast<float>((count + wide_block - 1) / wide_block);
+}
+
+inline Box bounds(const Reference* references, std::uint32_t count) {
+  SignedBox all = SignedBox::empty();
+  for (std::uint32_t i = 0; i < count; ++i) all.add(references[i]);
+  return all.box();
+}
+
+/// The box around centres.
+struct CenterBounds {
+  SignedBox box;
+  void add(const CenterBounds& other) { box.add(other.box); }
+};
+
+inline CenterBounds center_bounds(const Reference* references, std::uint32_t count) {
+  const Four d;
+  FourFloats lower = hn::Set(d, SignedBox::infinity);
+  FourFloats upper = hn::Set(d, -SignedBox::infinity);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const FourFloats center = references[i].center();
+    lower = hn::Min(lower, center);
+    upper = hn::Max(upper, center);
+  }
+  CenterBounds result;
+  hn::Store(lower, d, result.box.lower);
+  hn::Store(hn::Neg(upper), d, result.box.minus_upper);
+  return result;
+}
+
+/// Maps a centre to a bin per axis. An axis without extent has a scale of 0.
+struct Binning {
+  static constexpr int most = 32;
+  alignas(16) float base[4] = {};
+  alignas(16) float scale[4] = {};
+  int bins = 0;
+
+  Binning() = default;
+  Binning(const CenterBounds& centers, std::uint32_t count)
+      : bins(static_cast<int>(std::min<std::uint32_t>(most, 4 + count / 20))) {
+    const Box box = centers.box.box();
+    for (int axis = 0; axis < 3; ++axis) {
+      base[axis] = box.lo[axis];
+      const float extent = box.hi[axis] - box.lo[axis];
+      const float per_length = static_cast<float>(bins) * 0.999f / extent;
+      if (extent > 0 && per_length <= std::numeric_limits<float>::max()) scale[axis] = per_length;
+    }
+  }
+
+  /// The bins of a reference along x, y and z in the first three lanes of `bin`.
+  HWY_INLINE void bins_of(const Reference& reference, std::int32_t* HWY_RESTRICT bin) const {
+    const Four d;
+    const hn::RebindToSigned<Four> di;
+    const FourFloats place =
+        hn::Mul(hn::Sub(reference.center(), hn::Load(d, base)), hn::Load(d, scale));
+    const auto clamped = hn::Min(hn::ConvertTo(di, place), hn::Set(di, bins - 1));
+    hn::Store(hn::Max(clamped, hn::Zero(di)), di, bin);
+  }
+};
+
+/// Left are the triangles in bins below `plane` along `axis`.
+struct Split {
+  float cost = std::numeric_limits<float>::infinity();
+  int axis = -1;
+  int plane = 0;
+  Binning binning;
+  std::uint32_t left_count = 0;
+  float left_area = 0, right_area = 0;
+  Box left_box, right_box;
+
+  bool found() const { return axis >= 0; }
+  HWY_INLINE bool goes_right(const Reference& reference) const {
+    alignas(16) std::int32_t bin[4];
+    binning.bins_of(reference, bin);
+    return bin[axis] >= plane;
+  }
+};
+
+/// Triangles per bin and axis with the boxes around them.
+struct Bins {
+  SignedBox box[Binning::most][3];
+  std::uint32_t count[Binning::most][4];
+
+  /// Empties as many bins as are used; the others are left as they are.
+  void clear(int bins) {
+    for (int bin = 0; bin < bins; ++bin) {
+      std::fill_n(box[bin], 3, SignedBox::empty());
+      std::fill_n(count[bin], 4, 0u);
+    }
+  }
+
+  void fill(const Reference* references, std::uint32_t number, const Binning& binning) {
+    const Four d;
+    clear(binning.bins);
+    for (std::uint32_t i = 0; i < number; ++i) {
+      alignas(16) std::int32_t bin[4];
+      binning.bins_of(references[i], bin);
+      const FourFloats lower = hn::Load(d, references[i].lower);
+      const FourFloats minus_upper = hn::Load(d, references[i].minus_upper);
+      for (int axis = 0; axis < 3; ++axis) {
+        SignedBox& at = box[bin[axis]][axis];
+        hn::Store(hn::Min(hn::Load(d, at.lower), lower), d, at.lower);
+        hn::Store(hn::Min(hn::Load(d, at.minus_upper), minus_upper), d, at.minus_upper);
+        ++count[bin[axis]][axis];
+      }
+    }
+  }
+
+  void add(const Bins& other, int bins) {
+    for (int bin = 0; bin < bins; ++bin) {
+      for (int axis = 0; axis < 3; ++axis) {
+        box[bin][axis].add(other.box[bin][axis]);
+        count[bin][axis] += other.count[bin][axis];
+      }
+    }
+  }
+
+  /// The plane of least cost: surface times number of blocks on either side.
+  Split best(const Binning& binning, const Measure& measure) const {
+    Split split;
+    split.binning = binning;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (binning.scale[axis] > 0) sweep(axis, binning.bins, measure, split);
+    }
+    return split;
+  }
+
+ private:
+  void sweep(int axis, int bins, const Measure& measure, Split& best) const {
+    Box right_box[Binning::most];
+    float right_area[Binning::most];
+    std::uint32_t right_count[Binning::most];
+    SignedBox grown = SignedBox::empty();
+    std::uint32_t number = 0;
+    for (int plane = bins - 1; plane > 0; --plane) {
+      grown.add(box[plane][axis]);
+      number += count[plane][axis];
+      right_count[plane] = number;
+      right_box[plane] = grown.box();
+      right_area[plane] = number > 0 ? measure.half_area(right_box[plane]) : 0;
+    }
+    grown = SignedBox::empty();
+    number = 0;
+    for (int plane = 1; plane < bins; ++plane) {
+      grown.add(box[plane - 1][axis]);
+      number += count[plane - 1][axis];
+      if (number == 0 || right_count[plane] == 0) continue;
+      const Box left_box = grown.box();
+      const float left_area = measure.half_area(left_box);
+      const float cost =
+          left_area * blocks_of(number) + right_area[plane] * blocks_of(right_count[plane]);
+      if (!(cost < best.cost)) continue;
+      best.cost = cost;
+      best.axis = axis;
+      best.plane = plane;
+      best.left_count = number;
+      best.left_area = left_area;
+      best.right_area = right_area[plane];
+      best.left_box = left_box;
+      best.right_box = right_box[plane];
+    }
+  }
+};
+
+inline Split find_split(const Reference* references, std::uint32_t count, const Measure& measure) {
+  const Binning binning(center_bounds(references, count), count);
+  Bins bins;
+  bins.fill(references, count, binning);
+  return bins.best(binning, measure);
+}
+
+inline std::uint32_t count_left(const Reference* references, std::uint32_t count,
+                                const Split& split) {
+  std::uint32_t left = 0;
+  for (std::uint32_t i = 0; i < count; ++i) left += split.goes_right(references[i]) ? 0u : 1u;
+  return left;
+}
+
+/// Copies the references to `left` and `right` by their side, in their order.
+inline void partition(const Reference* references, std::uint32_t count, const Split& split,
+                      Reference* left, Reference* right) {
+  Reference* to[2] = {left, right};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    *to[split.goes_right(references[i])]++ = references[i];
+  }
+}
+
+}  // namespace irt::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
