@@ -10,6 +10,9 @@ std::span<const SceneEntry> built_in_scenes() {
   static constexpr SceneEntry entries[] = {
       {"bunny", "69,463 triangles: a small animal, evenly tessellated, beside a mirror",
        make_bunny},
+      {"office", "20,769 triangles: a small room, large walls and small things", make_office},
+      {"conference", "190,951 triangles: a hall with furniture, most of it in small pieces",
+       make_conference},
   };
   return entries;
 }

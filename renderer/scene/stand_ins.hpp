@@ -20,4 +20,10 @@ inline constexpr std::size_t conference_triangles = 190'951;
 /// 12 triangles.
 Scene make_bunny();
 
+/// A room of 4.4 by 4.8 m with a desk, a bookcase, blinds and a plant.
+Scene make_office();
+
+/// A hall of 11 by 7 m: a table for 18 with what lies on it, blinds, curtains, lamps and plants.
+Scene make_conference();
+
 }  // namespace irt

@@ -1,5 +1,6 @@
 #include "renderer/scene/stand_ins.hpp"
 
+#include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <map>
@@ -48,6 +49,30 @@ TEST(StandIns, AreSoundAndTheSameEveryTime) {
 
 TEST(StandIns, HaveTheThesisTriangleCounts) {
   EXPECT_EQ(irt::make_bunny().mesh.triangles.size(), 69'463u);
+  EXPECT_EQ(irt::make_office().mesh.triangles.size(), 20'769u);
+  EXPECT_EQ(irt::make_conference().mesh.triangles.size(), 190'951u);
+}
+
+/// FNV-1a over the mesh's bytes.
+std::uint64_t fingerprint(const Mesh& mesh) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto take = [&hash](std::uint32_t word) {
+    for (int i = 0; i < 4; ++i) hash = (hash ^ (word >> 8 * i & 0xff)) * 0x100000001b3u;
+  };
+  for (const Vec3 v : mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) take(std::bit_cast<std::uint32_t>(v[axis]));
+  }
+  for (const auto& triangle : mesh.triangles) {
+    for (const auto index : triangle) take(index);
+  }
+  for (const auto material : mesh.material) take(material);
+  return hash;
+}
+
+TEST(StandIns, HaveTheSameBitsOnEveryMachineAndCompiler) {
+  EXPECT_EQ(fingerprint(irt::make_bunny().mesh), 3105444792178705775u);
+  EXPECT_EQ(fingerprint(irt::make_office().mesh), 5839738976773631041u);
+  EXPECT_EQ(fingerprint(irt::make_conference().mesh), 5577201347320184187u);
 }
 
 TEST(StandIns, BunnyIsOneClosedSurfaceOneRepetitionAndABox) {
