@@ -145,8 +145,10 @@ struct QueueEntry {
 
 /// The entry of `Q` under `name`.
 template <template <class> class Q>
-requires WorkQueue<Q>
 constexpr QueueEntry queue_entry(std::string_view name) {
+  static_assert(WorkQueue<Q>,
+                "this class template is no work queue: queues/work_queue.hpp says what "
+                "it must have (constructor, push, pop, claims, summary)");
   return {
       .name = name,
       .summary = Q<void*>::summary,

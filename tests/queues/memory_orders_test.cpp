@@ -83,8 +83,7 @@ Findings check(const std::vector<std::string>& lines, const std::set<std::string
       else if (!numbered[partner].partners.contains(number))
         findings.add(0, name + " is not named back by a partner");
     for (const std::string& file : entry.files)
-      if (!files.contains(file))
-        findings.add(0, name + " names " + file + ", which does not exist");
+      if (!files.contains(file)) findings.add(0, name + " names a file that does not exist");
   }
 
   // The comment of a use stands on its line or close above, in the same statement or before it.

@@ -1,0 +1,24 @@
+# irt_add_plugin(<name> <header> <class> [LINK <target>...])
+#
+# builds the queue <class> of <header> (relative to the calling CMakeLists.txt) into a shared object
+# <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. It is the
+# counterpart of irt_add_queue() for a queue that lives outside the tree; <header> needs no change
+# to move from one to the other.
+function(irt_add_plugin name header class)
+  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "" "LINK")
+  if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
+    message(FATAL_ERROR "plug-in '${name}': a name is lower-case words joined by '-'")
+  endif()
+  cmake_path(ABSOLUTE_PATH header NORMALIZE OUTPUT_VARIABLE QUEUE_HEADER)
+  if(NOT EXISTS ${QUEUE_HEADER})
+    message(FATAL_ERROR "plug-in '${name}': no header ${QUEUE_HEADER}")
+  endif()
+  set(QUEUE_NAME ${name})
+  set(QUEUE_CLASS ${class})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.cpp)
+  configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.cpp.in ${source} @ONLY)
+
+  add_library(${name} MODULE ${source})
+  set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden)
+  target_link_libraries(${name} PRIVATE irt::queues ${ARG_LINK})
+endfunction()
