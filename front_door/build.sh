@@ -13,7 +13,7 @@ build_jobs() {
 # What a configuration rests on beside the CMake files, which ninja watches itself.
 configuration_stamp() {
   printf '%s\n' "$here"
-  cksum "$here/CMakePresets.json" "$here/.clang-tidy"
+  cksum "$here/CMakePresets.json"
   dpkg-query -W -f '${Package} ${Version}\n' "${!package_purpose[@]}" 2>/dev/null
 }
 
@@ -32,6 +32,8 @@ configure() {
   printf '%s\n' "$stamp" >"$build/irt-stamp"
 }
 
+ninja_options=()
+
 # build_target PRESET "TARGET..." PACKAGES... : from whatever state to up-to-date targets.
 build_target() {
   local preset=$1 target=$2
@@ -46,7 +48,7 @@ build_target() {
   configure "$preset"
   local log=$logs/build-$preset-${target// /-}.log
   if ! NINJA_STATUS='[%f/%t] ' run_step "Building ${target%% *}" "$log" \
-    ninja -C "$here/build/$preset" -j "$(build_jobs)" $target; then
+    ninja -C "$here/build/$preset" -j "$(build_jobs)" "${ninja_options[@]}" $target; then
     say "irt: $target could not be built"
     show_failure "$log"
     exit 1

@@ -82,6 +82,9 @@ lint() {
     say "Formatting: clean"
   fi
   if [[ $what != format ]]; then
+    # Other rules are for ninja no reason to look at a file again.
+    [[ $here/.clang-tidy -nt $here/build/tidy/build.ninja ]] && rm -rf -- "$here/build/tidy"
+    ninja_options=(-k 0) # everything there is to mend in one go
     build_target tidy 'all irt-tests' "${packages_tidy[@]}"
     say "clang-tidy: clean"
   fi

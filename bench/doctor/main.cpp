@@ -42,8 +42,8 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
 void print(std::span<const irt::Finding> findings) {
   unsigned cautions = 0;
   for (const irt::Finding& finding : findings) {
-    fmt::print("{:<8} {:<18} {}\n", word(finding.verdict), finding.subject, finding.found);
-    fmt::print("{}", wrapped(finding.meaning, 28, 72));
+    fmt::print("{:<8} {:<21} {}\n", word(finding.verdict), finding.subject, finding.found);
+    fmt::print("{}", wrapped(finding.meaning, 31, 69));
     if (finding.verdict == irt::Verdict::caution) ++cautions;
   }
   if (cautions == 0) {

@@ -29,7 +29,7 @@ make_sandbox() {
   machine="$work/machine"
   mkdir -p "$project/bench" "$machine"
   touch "$work/out" "$work/err" "$work/apt-calls" "$work/missing"
-  cp -r "$top/irt" "$top/front_door" "$top/CMakePresets.json" "$top/.clang-tidy" "$project/"
+  cp -r "$top/irt" "$top/front_door" "$top/CMakePresets.json" "$project/"
   cat >"$project/CMakeLists.txt" <<'P'
 cmake_minimum_required(VERSION 3.25)
 project(sandbox LANGUAGES CXX)
