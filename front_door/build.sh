@@ -39,7 +39,7 @@ build_target() {
   local preset=$1 target=$2
   shift 2
   mkdir -p -- "$logs"
-  exec {build_lock}>"$here/build/lock"
+  exec {build_lock}>"$here/build/lock-$preset"
   if ! flock -n "$build_lock"; then
     say "irt: waiting for another irt that builds here"
     flock "$build_lock"
