@@ -102,7 +102,7 @@ run_step() {
     local elapsed=$((SECONDS - started))
     if [[ -t 2 ]]; then
       ((elapsed >= 1)) && draw_bar "$title" "$elapsed"
-    elif ((elapsed - last >= 10)); then
+    elif ((elapsed - last >= 10 + last / 5)); then
       print_plain "$title" "$elapsed"
       last=$elapsed
     fi
