@@ -1,0 +1,33 @@
+#include "stress/checker/depth_first.hpp"
+
+namespace irt::checker {
+
+bool DepthFirst::begin() {
+  if (!first_) {
+    while (!path_.empty() && path_.back().chosen + 1 == path_.back().count) path_.pop_back();
+    if (path_.empty()) return false;
+    ++path_.back().chosen;
+  }
+  first_ = false;
+  position_ = 0;
+  spent_ = 0;
+  return true;
+}
+
+unsigned DepthFirst::choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) {
+  forced_ = current >= 32 || (runnable >> current & 1U) == 0;
+  return Strategy::choose_thread(execution, runnable, current);
+}
+
+std::uint32_t DepthFirst::choose(ChoiceKind kind, std::uint32_t count) {
+  const bool costs = kind != ChoiceKind::thread || !forced_;
+  if (position_ == path_.size()) {
+    if (costs && spent_ == budget_) return 0;
+    path_.push_back({count, 0, costs});
+  }
+  const Branch& branch = path_[position_++];
+  if (branch.costs && branch.chosen != 0) ++spent_;
+  return branch.chosen;
+}
+
+}  // namespace irt::checker

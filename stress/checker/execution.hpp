@@ -1,0 +1,221 @@
+/// One execution after another: the tenant of the virtual cores that puts every event of the code
+/// into a graph, asks a strategy where it may go several ways, and watches memory.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "stress/checker/finding.hpp"
+#include "stress/checker/graph.hpp"
+#include "stress/checker/heap.hpp"
+#include "stress/checker/strategy.hpp"
+#include "stress/virtual_cores/virtual_cores.hpp"
+
+namespace irt::checker {
+
+/// A small concurrent program. The functions call into instrumented code; what they do themselves
+/// is not seen, so they must be the same in every execution and keep nothing on their stacks that
+/// needs destruction.
+struct Scenario {
+  std::vector<std::function<void()>> threads;
+  std::function<void()> prepare;  ///< before the threads; may be empty
+  std::function<void()> finish;   ///< after all threads ended; may be empty
+  /// After everything: what is wrong with the outcome, if anything. Runs outside of the cores.
+  std::function<std::optional<std::string>(const Execution&)> judge;
+  virtual_cores::Module* module = nullptr;  ///< its globals start afresh each time
+};
+
+struct Limits {
+  std::size_t events_per_thread = 5000;  ///< more is reported as a livelock
+  /// A loop is taken to wait if it reads the same store at the same place this often.
+  unsigned same_reads = 24;
+  bool reuse_memory = false;      ///< a thread's freed blocks come back to it
+  bool weak_may_fail = false;     ///< compare_exchange_weak fails for no reason, as a choice
+  bool spurious_wakeups = false;  ///< futex and condition waits end for no reason, as a choice
+  bool leaks = true;              ///< blocks that are never freed are findings
+};
+
+/// A step of an execution, for replay and for the reader.
+struct Step {
+  std::uint8_t thread = 0;
+  std::uint8_t kind = 0;  ///< EventKind
+  std::uint16_t choice =
+      0;  ///< distance from the newest store read, from the last place, or option
+  friend bool operator==(const Step&, const Step&) = default;
+};
+
+class Execution final : public virtual_cores::Tenant {
+ public:
+  /// Threads of the scenario are numbered from 0; the one that prepares and finishes comes last.
+  Execution(const Scenario& scenario, const Limits& limits);
+
+  Outcome run(Strategy& strategy);
+
+  [[nodiscard]] const std::optional<Finding>& finding() const { return finding_; }
+  [[nodiscard]] const Graph& graph() const { return graph_; }
+  Graph& graph() { return graph_; }
+  [[nodiscard]] unsigned threads() const { return main_; }
+  /// The thread that prepares and finishes.
+  [[nodiscard]] unsigned main_thread() const { return main_; }
+  /// Threads that could go on, as bits.
+  [[nodiscard]] std::uint32_t runnable() const;
+  /// What the next event of `thread` will touch: an address, or 0.
+  [[nodiscard]] std::uintptr_t pending_address(unsigned thread) const {
+    return states_[thread].pending;
+  }
+  [[nodiscard]] bool pending_writes(unsigned thread) const {
+    return states_[thread].pending_writes;
+  }
+  /// What was chosen, in order.
+  [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
+  /// Loops that were taken to wait although their state changed.
+  [[nodiscard]] std::size_t assumed_waits() const { return assumed_waits_; }
+  [[nodiscard]] const Heap& heap() const { return heap_; }
+  [[nodiscard]] const virtual_cores::Cores& cores() const { return cores_; }
+
+  /// The past of `thread`, as a judge may need it between operations.
+  [[nodiscard]] const Clock& clock_of(unsigned thread) const { return graph_.thread(thread).now; }
+  /// The thread in progress. Valid while the scenario's functions run.
+  [[nodiscard]] unsigned current() const { return cores_.current(); }
+  /// Stops `thread` for good once it has made `events` events of its own.
+  void freeze(unsigned thread, std::size_t events) { frozen_ = {{thread, events}}; }
+  void report(FindingKind kind, std::string text, std::vector<const void*> places);
+
+  /// For the reader: the code's calls, kept only when asked for.
+  struct Note {
+    std::size_t event;  ///< events in the graph before it
+    unsigned thread;
+    bool write;
+    std::uintptr_t address;
+    std::size_t size;
+    const void* pc;
+  };
+  void keep_notes(bool keep) { keep_notes_ = keep; }
+  [[nodiscard]] const std::vector<Note>& notes() const { return notes_; }
+
+  // Tenant.
+  void plain_read(std::uintptr_t address, std::size_t size, const void* pc) override;
+  void plain_write(std::uintptr_t address, std::size_t size, const void* pc) override;
+  Value load(const virtual_cores::Access& access) override;
+  void store(const virtual_cores::Access& access, Value value) override;
+  Value modify(const virtual_cores::Access& access, virtual_cores::Operation operation,
+               Value operand) override;
+  bool compare_exchange(const virtual_cores::Access& access, Order failure, bool weak,
+                        Value& expected, Value desired) override;
+  void fence(Order order, const void* pc) override;
+  void* allocate(std::size_t size, std::size_t alignment, const void* pc) override;
+  void release(void* block, const void* pc) override;
+  std::size_t block_size(void* block) override;
+  void lock(std::uintptr_t address, const void* pc) override;
+  bool try_lock(std::uintptr_t address, const void* pc) override;
+  void unlock(std::uintptr_t address, const void* pc) override;
+  virtual_cores::Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
+                           const void* pc) override;
+  unsigned wake(std::uintptr_t address, unsigned count, const void* pc) override;
+  std::int64_t now() override;
+  unsigned finished(unsigned core) override;
+  void on_failure(const std::string& what, const void* pc) override;
+
+ private:
+  enum class Phase : std::uint8_t { idle, prepare, parallel, finish };
+
+  /// A load that a loop may come back to.
+  struct Visit {
+    const void* pc = nullptr;
+    EventId from = no_event;
+    std::uint64_t hash = 0;
+    std::uint32_t effects = 0;
+    std::uint32_t count = 0;
+    bool hashed = false;
+  };
+
+  struct ThreadState {
+    bool started = false;
+    bool done = false;
+    bool waiting = false;
+    bool assumed = false;             ///< waits only because it looked like a loop
+    bool timed = false;               ///< waits with a time-out
+    std::uint32_t wait_location = 0;  ///< plus one; 0: any store
+    std::uint64_t waits_since = 0;    ///< stores in the execution by then
+    std::uintptr_t pending = 0;
+    bool pending_writes = false;
+    std::uint32_t effects = 0;
+    std::int64_t clock_reads = 0;
+    std::vector<Visit> visits;
+    std::uint64_t entry_hash = 0;   ///< of the core when the operation in progress began
+    std::uint32_t fresh_reads = 0;  ///< that many loads must read the newest store
+    const void* wait_pc = nullptr;
+    bool wait_sleeps = false;  ///< in a futex, not for a lock or in a loop
+  };
+
+  /// What a read means, by the value it finds.
+  enum class Meaning : std::uint8_t { load, modify, wait };
+  /// A location and the part of it that an access touches.
+  struct Part {
+    std::uint32_t location;
+    unsigned shift;
+    Value mask;
+  };
+
+  struct Request {
+    std::uintptr_t address;
+    std::uint32_t size;
+    const void* pc;
+    Order success;
+    Order failure;
+  };
+  template <class Decide, class NewValue>
+  Value read_event(const Request& request, bool may_write, Decide decide, NewValue new_value);
+
+  [[noreturn]] void stop(Outcome outcome);
+  void reach(std::uintptr_t address, bool writes);
+  void wait_here(std::uint32_t location, const void* pc);
+  void go_elsewhere();
+  Part part_at(std::uintptr_t address, std::uint32_t size, bool needs_value, const void* pc);
+  void widen(std::uintptr_t address, std::uint32_t size);
+  void note_write(const Event& event, Value value);
+  void check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
+                   const void* pc);
+  void check_loop(const void* pc);
+  void note_visit(const void* pc, EventId from);
+  std::uint64_t hash_of_core() const;
+  bool on_own_stack(std::uintptr_t address) const;
+  void check_limit(const void* pc);
+  Outcome after_threads();
+  void explain_standstill();
+  unsigned other_choice(unsigned count, const void* pc);
+  void record(const Event& event, std::size_t choice);
+  ThreadState& me() { return states_[cores_.current()]; }
+  bool observed() const { return phase_ != Phase::idle; }
+
+  const Scenario& scenario_;
+  Limits limits_;
+  unsigned main_;
+  virtual_cores::Cores cores_;
+  Graph graph_;
+  Heap heap_;
+  Strategy* strategy_ = nullptr;
+  Phase phase_ = Phase::idle;
+  Outcome outcome_ = Outcome::complete;
+  std::vector<ThreadState> states_;
+  std::vector<Step> steps_;
+  std::optional<Finding> finding_;
+  std::uint64_t stores_ = 0;
+  std::size_t assumed_waits_ = 0;
+  std::vector<ReadOption> options_;
+  std::vector<std::size_t> places_;
+  std::optional<std::pair<unsigned, std::size_t>> frozen_;
+  /// Sixteen-byte units that are accessed in different sizes, and the size that covers them.
+  std::unordered_map<std::uintptr_t, std::uint32_t> widened_;
+  std::unordered_set<const void*> loop_heads_;
+  std::vector<std::uint32_t> next_location_;  ///< by location: another one in the same eight bytes
+  bool stack_locations_ = false;
+  std::vector<Note> notes_;
+  bool keep_notes_ = false;
+};
+
+}  // namespace irt::checker

@@ -1,0 +1,73 @@
+/// Every execution graph of the scenario, each once: Kokologiannakis, Marmanis, Gladstein and
+/// Vafeiadis 2022, "Truly Stateless, Optimal Dynamic Partial Order Reduction" (TruSt).
+///
+/// Executions that differ only in the order of steps that do not touch each other have the same
+/// graph (program order, reads-from, modification order), so it is graphs that are enumerated, not
+/// schedules. Threads run one after the other, the lowest first. A read branches over the stores
+/// that exist; a store branches over its places and, when it could be read by a read that came
+/// earlier, over taking back what depended on that read (a *revisit*). A revisit is made only from
+/// the one graph in which what is taken back was chosen dullest; this is what makes each graph come
+/// up once.
+///
+/// A thread that waits stays where it is: the store it waits for will revisit its read.
+///
+/// Here, unlike in the paper, a read-modify-write is one event with two stamps, one for each part;
+/// and code runs natively, so that each graph costs a new run, with its prefix replayed.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "stress/checker/strategy.hpp"
+
+namespace irt::checker {
+
+class Exhaustive final : public Strategy {
+ public:
+  Exhaustive() : work_(1) {}
+
+  bool begin() override;
+  unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
+  std::size_t choose_read(Execution& execution, Event& event, std::uint32_t location,
+                          std::span<const ReadOption> options) override;
+  std::size_t choose_place(Execution& execution, Event& event, std::uint32_t location,
+                           std::span<const std::size_t> places) override;
+  unsigned choose_other(Execution& execution, Event& event, unsigned count) override;
+  void added(Execution& execution, const Event& event) override;
+  std::optional<std::size_t> planned_place(Execution& execution, Event& event,
+                                           std::uint32_t location) override;
+  [[nodiscard]] bool expects_more(unsigned thread) const override;
+  [[nodiscard]] bool gives_up() const override { return cut_; }
+  [[nodiscard]] bool resumes_waiting() const override { return false; }
+
+ private:
+  /// An event to be made again.
+  struct Planned {
+    Ref from = initial_ref;  ///< what it reads or, for a store, what it comes after
+    std::uint32_t option = 0;
+    std::uint32_t read_stamp = 0;
+    std::uint32_t write_stamp = 0;  ///< 0: to be given when it is made
+    std::uint8_t thread = 0;
+    bool fresh = false;  ///< its store has not yet been offered to earlier reads
+  };
+  struct Work {
+    std::vector<Planned> plan;
+    bool verify = false;  ///< the model has not yet been asked about the whole
+  };
+
+  struct Revisit;
+  void revisit(const Execution& execution, const Event& store, std::uint32_t location,
+               std::size_t after);
+  void push(const Planned& last, bool verify);
+
+  std::vector<Work> work_;
+  Work current_;
+  std::size_t position_ = 0;
+  std::uint32_t stamp_ = 0;
+  std::vector<Planned> trace_;  ///< of this execution, in the order of execution
+  std::vector<EventId> events_;
+  std::vector<std::uint32_t> remaining_;  ///< planned events by thread
+  bool cut_ = false;
+};
+
+}  // namespace irt::checker

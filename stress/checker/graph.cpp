@@ -1,0 +1,183 @@
+#include "stress/checker/graph.hpp"
+
+#include <algorithm>
+
+namespace irt::checker {
+
+using virtual_cores::acquires;
+using virtual_cores::releases;
+
+void Graph::clear() {
+  count_ = 0;
+  location_count_ = 0;
+  seq_cst_.clear();
+  for (ThreadClocks& thread : threads_) {
+    thread.now = thread.causes = thread.released = thread.pending = Clock{};
+    thread.events.clear();
+  }
+}
+
+EventId Graph::add_initial(std::uint32_t location, Value value) {
+  if (count_ == events_.size()) events_.resize(count_ + 256);
+  Event& event = events_[count_];
+  event = Event{};
+  event.kind = EventKind::initial;
+  event.writes = true;
+  event.location = location;
+  event.written = value;
+  return static_cast<EventId>(count_++);
+}
+
+std::uint32_t Graph::add_location(std::uintptr_t address, std::uint32_t size, Value initial) {
+  const auto id = static_cast<std::uint32_t>(location_count_++);
+  if (id == locations_.size()) locations_.emplace_back();
+  Location& location = locations_[id];
+  location.address = address;
+  location.size = size;
+  location.reads.clear();
+  location.stores.assign(1, add_initial(id, initial));
+  return id;
+}
+
+void Graph::reset_location(std::uint32_t id, Value initial) {
+  locations_[id].reads.clear();
+  locations_[id].stores.assign(1, add_initial(id, initial));
+}
+
+Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc) {
+  if (count_ == events_.size()) events_.resize(count_ + 256);
+  Event& event = events_[count_];
+  ThreadClocks& mine = threads_[thread];
+  event.kind = kind;
+  event.thread = static_cast<std::uint8_t>(thread);
+  event.order = order;
+  event.blocked = event.reads = event.writes = false;
+  event.index = static_cast<std::uint16_t>(mine.now.count[thread] + 1);
+  event.from = no_event;
+  event.option = 0;
+  event.read_stamp = event.write_stamp = 0;
+  event.pc = pc;
+  event.read = event.written = 0;
+  event.before = mine.now;
+  event.after = mine.now;
+  event.after.count[thread] = event.index;
+  event.causes = mine.causes;
+  event.causes.count[thread] = event.index;
+  event.message = Clock{};
+  return event;
+}
+
+std::size_t Graph::lowest_readable(unsigned thread, std::uint32_t id) const {
+  const Location& location = locations_[id];
+  const Clock& now = threads_[thread].now;
+  std::size_t lowest = location.stores.size() - 1;
+  while (lowest > 0 && !happens_before(events_[location.stores[lowest]], now)) --lowest;
+  if (lowest + 1 == location.stores.size()) return lowest;
+  for (const EventId read : location.reads)
+    if (happens_before(events_[read], now)) lowest = std::max(lowest, place_of(events_[read].from));
+  return lowest;
+}
+
+bool Graph::free_to_modify(const Location& location, std::size_t place) const {
+  if (place + 1 == location.stores.size()) return true;
+  const Event& next = events_[location.stores[place + 1]];
+  return !(next.reads && next.from == location.stores[place]);
+}
+
+bool Graph::free_to_place(const Location& location, std::size_t place) const {
+  return place == location.stores.size() || free_to_modify(location, place - 1);
+}
+
+std::size_t Graph::place_of(EventId store) const {
+  const std::vector<EventId>& stores = locations_[events_[store].location].stores;
+  std::size_t place = stores.size() - 1;
+  while (stores[place] != store) --place;
+  return place;
+}
+
+EventId Graph::find(Ref ref, std::uint32_t location) const {
+  if (ref == initial_ref) return locations_[location].stores.front();
+  const ThreadClocks& thread = threads_[ref >> 16U];
+  const std::size_t index = ref & 0xFFFFU;
+  return index <= thread.events.size() ? thread.events[index - 1] : no_event;
+}
+
+void Graph::read_from(Event& event, const Event& store) {
+  event.reads = true;
+  event.from = id_of(store);
+  event.read = store.written;
+  event.causes.join(store.causes);
+  if (acquires(event.order))
+    event.after.join(store.message);
+  else
+    threads_[event.thread].pending.join(store.message);
+}
+
+void Graph::write(Event& event) {
+  event.writes = true;
+  event.message.join(releases(event.order) ? event.after : threads_[event.thread].released);
+}
+
+void Graph::complete(Event& event) {
+  ThreadClocks& mine = threads_[event.thread];
+  mine.now = event.after;
+  mine.causes = event.causes;
+  mine.events.push_back(static_cast<EventId>(count_));
+  if (event.order == Order::seq_cst && event.kind != EventKind::choice)
+    seq_cst_.push_back(static_cast<EventId>(count_));
+  ++count_;
+}
+
+void Graph::finish_load(Event& event, std::uint32_t id, std::size_t place) {
+  event.location = id;
+  read_from(event, events_[locations_[id].stores[place]]);
+  locations_[id].reads.push_back(static_cast<EventId>(count_));
+  complete(event);
+}
+
+void Graph::finish_store(Event& event, std::uint32_t id, std::size_t place, Value value) {
+  event.location = id;
+  event.written = value;
+  write(event);
+  std::vector<EventId>& stores = locations_[id].stores;
+  stores.insert(stores.begin() + static_cast<std::ptrdiff_t>(place), static_cast<EventId>(count_));
+  complete(event);
+}
+
+void Graph::finish_modify(Event& event, std::uint32_t id, std::size_t place, Value value) {
+  event.location = id;
+  const Event& store = events_[locations_[id].stores[place]];
+  read_from(event, store);
+  event.written = value;
+  event.message = store.message;  // the release sequence goes on
+  write(event);
+  std::vector<EventId>& stores = locations_[id].stores;
+  stores.insert(stores.begin() + static_cast<std::ptrdiff_t>(place) + 1,
+                static_cast<EventId>(count_));
+  locations_[id].reads.push_back(static_cast<EventId>(count_));
+  complete(event);
+}
+
+void Graph::finish_fence(Event& event) {
+  ThreadClocks& mine = threads_[event.thread];
+  if (acquires(event.order)) event.after.join(mine.pending);
+  if (releases(event.order)) mine.released = event.after;
+  complete(event);
+}
+
+void Graph::finish_choice(Event& event, std::uint32_t option) {
+  event.option = option;
+  complete(event);
+}
+
+void Graph::fork(unsigned parent, unsigned child) {
+  threads_[child].now.join(threads_[parent].now);
+  threads_[child].causes.join(threads_[parent].causes);
+}
+
+void Graph::join(unsigned parent, unsigned child) {
+  threads_[parent].now.join(threads_[child].now);
+  threads_[parent].causes.join(threads_[child].causes);
+}
+
+}  // namespace irt::checker

@@ -1,0 +1,143 @@
+#include "stress/checker/heap.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <sys/mman.h>
+
+// Memory is known by its address here.
+// NOLINTBEGIN(performance-no-int-to-ptr)
+
+namespace irt::checker {
+
+namespace {
+
+constexpr std::uintptr_t heap_address = 0x200000000000;
+constexpr std::size_t region_bytes = std::size_t{16} << 20U;
+// Between blocks, so that a step past the end of one does not land in another.
+constexpr std::size_t gap_bytes = 32;
+
+void* map(std::uintptr_t address, std::size_t bytes) {
+  const int place = address == 0 ? 0 : MAP_FIXED_NOREPLACE;
+  void* memory = mmap(reinterpret_cast<void*>(address), bytes, PROT_READ | PROT_WRITE,
+                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | place, -1, 0);
+  if (memory == MAP_FAILED)
+    throw std::runtime_error(std::string("checker: cannot reserve address space: ") +
+                             std::strerror(errno));
+  return memory;
+}
+
+}  // namespace
+
+Heap::Heap(unsigned threads) : regions_(threads) {
+  const std::size_t bytes = threads * region_bytes;
+  base_ = reinterpret_cast<std::uintptr_t>(map(heap_address, bytes));
+  cells_ = static_cast<Cell*>(map(0, bytes / 8 * sizeof(Cell)));
+  clear();
+}
+
+Heap::~Heap() {
+  const std::size_t bytes = regions_.size() * region_bytes;
+  munmap(reinterpret_cast<void*>(base_), bytes);
+  munmap(cells_, bytes / 8 * sizeof(Cell));
+}
+
+void Heap::clear() {
+  ++generation_;
+  blocks_.clear();
+  touches_.clear();
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    regions_[i].next = base_ + i * region_bytes + 64;
+    regions_[i].blocks.clear();
+    regions_[i].freed.clear();
+  }
+}
+
+bool Heap::owns(std::uintptr_t address) const {
+  return address - base_ < regions_.size() * region_bytes;
+}
+
+void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc,
+                     bool reuse) {
+  Region& region = regions_[thread];
+  if (reuse) {
+    const auto same =
+        std::find_if(region.freed.rbegin(), region.freed.rend(), [&](std::uint32_t number) {
+          return block(number).size == size && block(number).address % alignment == 0;
+        });
+    if (same != region.freed.rend()) {
+      Block& again = block(*same);
+      region.freed.erase(std::next(same).base());
+      again.freed = false;
+      again.allocated_at = pc;
+      for (std::uintptr_t at = again.address; at < again.address + size; at += 8)
+        cells_[(at - base_) / 8].generation = 0;
+      return reinterpret_cast<void*>(again.address);
+    }
+  }
+  alignment = std::max<std::size_t>(alignment, 16);
+  const std::uintptr_t address = (region.next + alignment - 1) / alignment * alignment;
+  const std::size_t end = (address - base_) - thread * region_bytes + size + gap_bytes;
+  if (end > region_bytes) return nullptr;
+  region.next = address + size + gap_bytes;
+  blocks_.push_back({address, size, pc, nullptr, static_cast<std::uint8_t>(thread), 0, false});
+  region.blocks.push_back(static_cast<std::uint32_t>(blocks_.size()));
+  return reinterpret_cast<void*>(address);
+}
+
+void Heap::free(Block& block, unsigned thread, const void* pc) {
+  block.freed = true;
+  block.freed_by = static_cast<std::uint8_t>(thread);
+  block.freed_at = pc;
+  // Only the allocating thread's own blocks come back to it: others' would need an order.
+  if (block.allocated_by == thread)
+    regions_[thread].freed.push_back(static_cast<std::uint32_t>(&block - blocks_.data()) + 1);
+}
+
+Block* Heap::find(std::uintptr_t address) {
+  if (!owns(address)) return nullptr;
+  const std::vector<std::uint32_t>& numbers = regions_[(address - base_) / region_bytes].blocks;
+  const auto after = std::upper_bound(
+      numbers.begin(), numbers.end(), address,
+      [this](std::uintptr_t a, std::uint32_t number) { return a < block(number).address; });
+  return after == numbers.begin() ? nullptr : &block(*std::prev(after));
+}
+
+Cell& Heap::cell(std::uintptr_t address) {
+  const bool mine = owns(address);
+  Cell& cell = mine ? cells_[(address - base_) / 8] : other_cells_[address / 8];
+  if (cell.generation == generation_) return cell;
+  cell = Cell{};
+  cell.generation = generation_;
+  if (!mine) {
+    cell.initialised = 0xFF;
+    return cell;
+  }
+  // The last block that begins before the end of these eight bytes.
+  const Block* block = find((address & ~std::uintptr_t{7}) + 7);
+  if (block != nullptr && (address & ~std::uintptr_t{7}) < block->address + block->size)
+    cell.block = static_cast<std::uint32_t>(block - blocks_.data()) + 1;
+  return cell;
+}
+
+void Heap::add_touch(Cell& cell, const Touch& touch) {
+  for (std::uint32_t* link = &cell.touches; *link != 0;) {
+    Touch& old = touches_[*link - 1];
+    if (old.thread == touch.thread && old.writes == touch.writes && old.atomic == touch.atomic &&
+        (old.bytes & ~touch.bytes) == 0) {
+      const std::uint32_t next = old.next;
+      old = touch;
+      old.next = next;
+      return;
+    }
+    link = &old.next;
+  }
+  touches_.push_back(touch);
+  touches_.back().next = cell.touches;
+  cell.touches = static_cast<std::uint32_t>(touches_.size());
+}
+
+}  // namespace irt::checker
+
+// NOLINTEND(performance-no-int-to-ptr)

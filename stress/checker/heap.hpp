@@ -1,0 +1,95 @@
+/// Memory as the checker sees it: a heap of its own, and for each eight bytes who touched them.
+///
+/// Each thread allocates from a region of its own, at addresses that depend only on what that
+/// thread did before: the same program text gets the same addresses whatever the others do. A freed
+/// block is not used again within an execution unless `reuse` is on; then a thread gets back the
+/// block of that size that it freed last.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "stress/checker/clock.hpp"
+
+namespace irt::checker {
+
+/// A block of the heap.
+struct Block {
+  std::uintptr_t address = 0;
+  std::size_t size = 0;
+  const void* allocated_at = nullptr;
+  const void* freed_at = nullptr;
+  std::uint8_t allocated_by = 0;
+  std::uint8_t freed_by = 0;
+  bool freed = false;
+};
+
+/// One thread's last access of one kind to some of eight bytes.
+struct Touch {
+  std::uint8_t thread;
+  std::uint8_t bytes;  ///< a bit for each
+  bool writes;
+  bool atomic;
+  std::uint16_t moment;  ///< happens before whoever has at least this many of the thread's events
+  std::uint32_t next;
+  const void* pc;
+};
+
+/// What is known about eight bytes.
+struct Cell {
+  std::uint32_t generation = 0;
+  std::uint32_t block = 0;     ///< plus one; 0 is none
+  std::uint32_t touches = 0;   ///< plus one; 0 is none
+  std::uint32_t location = 0;  ///< plus one; 0 is none
+  std::uint8_t initialised = 0;
+  std::uint8_t replaced = 0;  ///< bytes that a plain write changed after the location's stores
+};
+
+class Heap {
+ public:
+  explicit Heap(unsigned threads);
+  Heap(const Heap&) = delete;
+  Heap& operator=(const Heap&) = delete;
+  ~Heap();
+
+  /// Forgets everything; memory keeps its contents, which count as uninitialised.
+  void clear();
+
+  /// Null when the thread's region is full.
+  void* allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc,
+                 bool reuse);
+  void free(Block& block, unsigned thread, const void* pc);
+
+  [[nodiscard]] bool owns(std::uintptr_t address) const;
+  /// The block that `address` is in or, if in none, the one before it in the same region; null if
+  /// there is none.
+  Block* find(std::uintptr_t address);
+  /// What is known about the eight bytes at `address` / 8 * 8.
+  Cell& cell(std::uintptr_t address);
+
+  [[nodiscard]] const Touch& touch(std::uint32_t number) const { return touches_[number - 1]; }
+  /// Notes a touch. It takes the place of the thread's earlier ones of the kind that it covers.
+  void add_touch(Cell& cell, const Touch& touch);
+
+  [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
+  Block& block(std::uint32_t number) { return blocks_[number - 1]; }
+
+ private:
+  struct Region {
+    std::uintptr_t next = 0;
+    std::vector<std::uint32_t> blocks;  ///< in the order of their addresses
+    std::vector<std::uint32_t> freed;   ///< in the order in which they were freed
+  };
+
+  std::uintptr_t base_ = 0;
+  std::vector<Region> regions_;
+  std::vector<Block> blocks_;
+  Cell* cells_ = nullptr;                                 ///< of the heap, one per eight bytes
+  std::unordered_map<std::uintptr_t, Cell> other_cells_;  ///< of globals, stacks, thread-locals
+  std::vector<Touch> touches_;
+  std::uint32_t generation_ = 1;
+};
+
+}  // namespace irt::checker

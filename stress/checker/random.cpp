@@ -1,0 +1,87 @@
+#include "stress/checker/random.hpp"
+
+#include <algorithm>
+
+#include "stress/checker/execution.hpp"
+
+namespace irt::checker {
+
+std::uint64_t Generator::next() {
+  std::uint64_t z = state_ += 0x9E3779B97F4A7C15;
+  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9;
+  z = (z ^ (z >> 27U)) * 0x94D049BB133111EB;
+  return z ^ (z >> 31U);
+}
+
+bool RandomBase::begin() {
+  generator_ = Generator(Generator(seed_ + execution_).next());
+  ++execution_;
+  return true;
+}
+
+std::uint32_t RandomBase::choose(ChoiceKind kind, std::uint32_t count) {
+  switch (kind) {
+    case ChoiceKind::thread:
+      return generator_.below(count);
+    case ChoiceKind::read:
+      return generator_.below(4) != 0 ? 0 : generator_.below(count);
+    case ChoiceKind::place:
+      return generator_.below(16) != 0 ? 0 : generator_.below(count);
+    case ChoiceKind::other:
+      return generator_.below(4) != 0 ? 0 : generator_.below(count);
+  }
+  return 0;
+}
+
+namespace {
+
+unsigned highest(const std::vector<std::uint64_t>& priority, std::uint32_t runnable) {
+  unsigned best = virtual_cores::host;
+  for (unsigned thread = 0; thread < max_threads; ++thread)
+    if ((runnable >> thread & 1U) != 0 &&
+        (best == virtual_cores::host || priority[thread] > priority[best]))
+      best = thread;
+  return best;
+}
+
+}  // namespace
+
+bool PriorityChanges::begin() {
+  longest_ = std::max(longest_, step_);
+  RandomBase::begin();
+  step_ = 0;
+  priority_.resize(max_threads);
+  for (std::uint64_t& p : priority_) p = generator_.next() | 1ULL << 63U;
+  changes_.resize(depth_ - 1);
+  for (std::uint32_t& change : changes_) change = 1 + generator_.below(longest_);
+  return true;
+}
+
+unsigned PriorityChanges::choose_thread(Execution&, std::uint32_t runnable, unsigned) {
+  ++step_;
+  const unsigned best = highest(priority_, runnable);
+  const auto change = std::find(changes_.begin(), changes_.end(), step_);
+  if (change == changes_.end()) return best;
+  priority_[best] = static_cast<std::uint64_t>(change - changes_.begin());
+  return highest(priority_, runnable);
+}
+
+bool OrderSampling::begin() {
+  RandomBase::begin();
+  priority_.resize(max_threads);
+  for (std::uint64_t& p : priority_) p = generator_.next();
+  return true;
+}
+
+unsigned OrderSampling::choose_thread(Execution& execution, std::uint32_t runnable, unsigned) {
+  const unsigned best = highest(priority_, runnable);
+  const std::uintptr_t address = execution.pending_address(best);
+  for (unsigned thread = 0; thread < execution.threads(); ++thread)
+    if (thread != best && address != 0 && execution.pending_address(thread) == address &&
+        (execution.pending_writes(best) || execution.pending_writes(thread)))
+      priority_[thread] = generator_.next();
+  priority_[best] = generator_.next();
+  return best;
+}
+
+}  // namespace irt::checker

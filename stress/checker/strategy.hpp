@@ -1,0 +1,86 @@
+/// Who decides. Everything that may go one way or another in an execution is asked here, and only
+/// here: which thread goes on, which store a read reads, where a store is put in modification
+/// order, and the rest (time-outs, spurious failures and wake-ups).
+///
+/// The first option is always the dullest one: the thread that runs goes on, the newest store is
+/// read, a store comes last, nothing spurious happens.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "stress/checker/graph.hpp"
+
+namespace irt::checker {
+
+class Execution;
+
+enum class ChoiceKind : std::uint8_t { thread, read, place, other };
+
+/// How an execution ended.
+enum class Outcome : std::uint8_t {
+  complete,  ///< every thread ran to its end
+  blocked,   ///< some thread waits for what another execution will bring
+  found,     ///< something is wrong
+  cut,       ///< the strategy gave it up: a duplicate, or not consistent
+  restart,   ///< the explorer learnt something about the code and begins anew
+};
+
+/// One way a read may go.
+struct ReadOption {
+  std::size_t place;   ///< of the store in modification order
+  bool modifies;       ///< a store follows, immediately after
+  bool waits;          ///< the thread stops until there is another store
+  bool taken = false;  ///< another modification has already read this store
+};
+
+class Strategy {
+ public:
+  Strategy() = default;
+  Strategy(const Strategy&) = delete;
+  Strategy& operator=(const Strategy&) = delete;
+  virtual ~Strategy() = default;
+
+  /// Prepares the next execution; false when there is none.
+  virtual bool begin() = 0;
+  virtual void end(const Execution& execution, Outcome outcome);
+
+  /// One of `runnable`, which has a bit for each thread and is not 0; or `virtual_cores::host` to
+  /// give the execution up. `current` is the thread that runs (perhaps not runnable).
+  virtual unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current);
+  /// One of `options`, newest store first. Only options that are not `taken` may be chosen.
+  virtual std::size_t choose_read(Execution& execution, Event& event, std::uint32_t location,
+                                  std::span<const ReadOption> options);
+  /// One of `places`, last first.
+  virtual std::size_t choose_place(Execution& execution, Event& event, std::uint32_t location,
+                                   std::span<const std::size_t> places);
+  virtual unsigned choose_other(Execution& execution, Event& event, unsigned count);
+  /// `event` is now part of the graph.
+  virtual void added(Execution& execution, const Event& event);
+  /// Whether the execution, although at its end, is to be passed over.
+  [[nodiscard]] virtual bool gives_up() const { return false; }
+
+  /// A place that is settled beforehand, for a strategy that repeats what it knows: of the store
+  /// that `event` reads or, for a plain store, of the one before it.
+  virtual std::optional<std::size_t> planned_place(Execution& execution, Event& event,
+                                                   std::uint32_t location);
+  /// Whether it is settled that `thread` goes on, however much it looks like waiting.
+  [[nodiscard]] virtual bool expects_more(unsigned thread) const;
+  /// Whether only options that the model allows may be offered. If not, a choice that turns out to
+  /// be forbidden is followed by the question for another.
+  [[nodiscard]] virtual bool wants_verified() const { return true; }
+
+  /// Whether a waiting thread goes on in the same execution once there is a new store. A strategy
+  /// that explores the alternatives of each read by other means says no.
+  [[nodiscard]] virtual bool resumes_waiting() const { return true; }
+  /// Whether stores may come before older stores in modification order.
+  [[nodiscard]] virtual bool places_stores() const { return true; }
+
+ protected:
+  /// What the four above ask unless overridden: a number below `count`, which is at least 2.
+  virtual std::uint32_t choose(ChoiceKind kind, std::uint32_t count);
+};
+
+}  // namespace irt::checker
