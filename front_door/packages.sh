@@ -12,14 +12,16 @@ declare -A package_purpose=(
   [libboost-dev]='Boost.Lockfree, whose queue is compared'
   [libpng-dev]='writes the frames'
   [libtinyobjloader-dev]='reads OBJ scenes'
+  [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
+  [libboost-context-dev]='fibers: the virtual cores of the stress tests'
   [clang]='compiles with a second compiler; fuzzers'
   [clang-format]='checks the formatting'
   [clang-tidy]='checks the source for known mistakes'
 )
 packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libhwloc-dev
-  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev)
-packages_test=("${packages_tools[@]}" libgtest-dev)
+  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev)
+packages_test=("${packages_tools[@]}" libgtest-dev libboost-context-dev)
 packages_full=("${packages_test[@]}" clang)
 packages_format=(clang-format)
 packages_tidy=("${packages_full[@]}" clang-tidy)
