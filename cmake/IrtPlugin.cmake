@@ -18,7 +18,9 @@ function(irt_add_plugin name header class)
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.cpp)
   configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.cpp.in ${source} @ONLY)
 
-  add_library(${name} MODULE ${source})
-  set_target_properties(${name} PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden)
-  target_link_libraries(${name} PRIVATE irt::queues ${ARG_LINK})
+  set(target irt_plugin_${name})  # not `name` alone, which may be `test` or `all`
+  add_library(${target} MODULE ${source})
+  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}
+    CXX_VISIBILITY_PRESET hidden)
+  target_link_libraries(${target} PRIVATE irt::queues ${ARG_LINK})
 endfunction()

@@ -10,14 +10,14 @@
 namespace irt {
 
 namespace built_in {
-#define IRT_QUEUE(identifier) QueueEntry identifier();
+#define IRT_QUEUE(identifier) QueueEntry entry_of_##identifier();
 #include "built_in_queues.inc"
 #undef IRT_QUEUE
 }  // namespace built_in
 
 std::span<const QueueEntry> built_in_queues() {
   static const std::vector<QueueEntry> entries{
-#define IRT_QUEUE(identifier) built_in::identifier(),
+#define IRT_QUEUE(identifier) built_in::entry_of_##identifier(),
 #include "built_in_queues.inc"
 #undef IRT_QUEUE
   };
