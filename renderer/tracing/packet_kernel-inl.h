@@ -73,17 +73,19 @@ struct KernelHit {
 /// an origin share it.
 template <class D>
 struct SeenFrom {
-  Vectors<D> edge2;
-  Vectors<D> edge1;
+  using V = hn::Vec<D>;
+  Vectors<D> edge1, edge2;
   Vectors<D> s, q;
-  hn::Vec<D> height;  ///< edge2 . q
+  V height;  ///< edge2 . q
 
+  HWY_INLINE SeenFrom(const Vectors<D>& to_b, const Vectors<D>& to_c, const Vectors<D>& from_a,
+                      const Vectors<D>& normal, V product)
+      : edge1(to_b), edge2(to_c), s(from_a), q(normal), height(product) {}
+  HWY_INLINE SeenFrom(const Vectors<D>& to_b, const Vectors<D>& to_c, const Vectors<D>& from_a)
+      : edge1(to_b), edge2(to_c), s(from_a), q(cross<D>(from_a, to_b)), height(dot<D>(to_c, q)) {}
   HWY_INLINE SeenFrom(const Vectors<D>& a, const Vectors<D>& b, const Vectors<D>& c,
                       const Vectors<D>& origin)
-      : edge2(subtract<D>(c, a)), edge1(subtract<D>(b, a)), s(subtract<D>(origin, a)) {
-    q = cross<D>(s, edge1);
-    height = dot<D>(edge2, q);
-  }
+      : SeenFrom(subtract<D>(b, a), subtract<D>(c, a), subtract<D>(origin, a)) {}
 };
 
 /// irt::moller_trumbore per lane.
