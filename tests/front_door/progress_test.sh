@@ -16,7 +16,7 @@ P
 }
 
 reads_ninja_ctest_and_apt() {
-  source "$project/front_door/progress.sh"
+  source "$project/bench/front_door/progress.sh"
   local -a lines=('[3/12] Building CXX object' ' 7/90 Test  #7: a.b ...   Passed    0.01 sec'
     'dlstatus:4:50.1234:Retrieving file' 'pmstatus:libpng-dev:25.0000:Unpacking'
     'a line that says 3/4 of nothing')

@@ -29,7 +29,8 @@ make_sandbox() {
   machine="$work/machine"
   mkdir -p "$project/bench" "$machine"
   touch "$work/out" "$work/err" "$work/apt-calls" "$work/missing"
-  cp -r "$top/irt" "$top/front_door" "$top/CMakePresets.json" "$project/"
+  cp -r "$top/irt" "$top/CMakePresets.json" "$project/"
+  cp -r "$top/bench/front_door" "$project/bench/"
   cat >"$project/CMakeLists.txt" <<'P'
 cmake_minimum_required(VERSION 3.25)
 project(sandbox LANGUAGES CXX)

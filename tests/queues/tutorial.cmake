@@ -49,7 +49,7 @@ else()
   run(${CMAKE_COMMAND} --build ${WORK}/outside/build)
 
   # The start that new_queue.cmake makes must build as it is.
-  run(${CMAKE_COMMAND} -DNAME=brand-new -DINTO=${project}/new -P ${SOURCE}/cmake/new_queue.cmake)
+  run(${CMAKE_COMMAND} -DNAME=brand-new -DINTO=${project}/new -P ${SOURCE}/queues/cmake/new_queue.cmake)
   run(${CMAKE_COMMAND} -S ${project}/new -B ${WORK}/outside/build_new ${options}
     -DCMAKE_PREFIX_PATH=${WORK}/prefix)
   run(${CMAKE_COMMAND} --build ${WORK}/outside/build_new)

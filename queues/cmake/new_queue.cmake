@@ -18,7 +18,7 @@ foreach(word IN LISTS words)
   string(APPEND QUEUE_CLASS ${initial}${rest})
 endforeach()
 
-set(template ${CMAKE_CURRENT_LIST_DIR}/../queues/template)
+set(template ${CMAKE_CURRENT_LIST_DIR}/../template)
 foreach(file ${QUEUE_FILE}.hpp CMakeLists.txt)
   if(EXISTS ${INTO}/${file})
     message(FATAL_ERROR "${INTO}/${file} is there already; name another folder")
