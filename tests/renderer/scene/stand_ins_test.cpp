@@ -1,12 +1,12 @@
-#include "renderer/scene/stand_ins.hpp"
+#include "renderer/scene/procedural/stand_ins.hpp"
 
 #include <bit>
-#include <cmath>
 #include <gtest/gtest.h>
 #include <map>
 #include <utility>
 
 #include "renderer/scene/scenes.hpp"
+#include "tests/renderer/scene/sound.hpp"
 
 namespace {
 
@@ -14,33 +14,15 @@ using irt::Mesh;
 using irt::Scene;
 using irt::Vec3;
 
-/// What a `Scene` promises of every mesh, light and material.
-void expect_sound(const Scene& scene) {
-  const Mesh& mesh = scene.mesh;
-  ASSERT_EQ(mesh.material.size(), mesh.triangles.size());
-  for (const Vec3 v : mesh.vertices) {
-    ASSERT_TRUE(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
-  }
-  for (const auto& triangle : mesh.triangles) {
-    for (const auto index : triangle) ASSERT_LT(index, mesh.vertices.size());
-  }
-  bool specular = false;
-  for (const auto index : mesh.material) {
-    ASSERT_LT(index, scene.materials.size());
-    specular |= scene.materials[index].specular != Vec3{};
-  }
-  EXPECT_TRUE(specular);
-  EXPECT_EQ(scene.lights.size(), 4u);
-  EXPECT_NE(scene.camera.eye, scene.camera.target);
-}
-
 TEST(StandIns, AreSoundAndTheSameEveryTime) {
   ASSERT_FALSE(irt::built_in_scenes().empty());
   for (const irt::SceneEntry& entry : irt::built_in_scenes()) {
     SCOPED_TRACE(entry.name);
     const Scene scene = irt::load_scene(entry.name);
     EXPECT_EQ(scene.name, entry.name);
-    expect_sound(scene);
+    irt::expect_sound(scene);
+    EXPECT_TRUE(irt::has_mirror(scene));
+    EXPECT_EQ(scene.lights.size(), 4u);
     const Scene again = entry.make();
     EXPECT_EQ(scene.mesh.vertices, again.mesh.vertices);
     EXPECT_EQ(scene.mesh.triangles, again.mesh.triangles);

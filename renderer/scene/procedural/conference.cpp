@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "renderer/scene/furniture.hpp"
-#include "renderer/scene/stand_ins.hpp"
+#include "renderer/scene/procedural/furniture.hpp"
+#include "renderer/scene/procedural/stand_ins.hpp"
 
 namespace irt {
 namespace {

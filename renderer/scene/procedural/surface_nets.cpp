@@ -1,4 +1,4 @@
-#include "renderer/scene/surface_nets.hpp"
+#include "renderer/scene/procedural/surface_nets.hpp"
 
 #include <cstddef>
 

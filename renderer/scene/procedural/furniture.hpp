@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "renderer/scene/shapes.hpp"
+#include "renderer/scene/procedural/shapes.hpp"
 
 namespace irt {
 

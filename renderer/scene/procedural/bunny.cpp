@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <utility>
 
-#include "renderer/scene/shapes.hpp"
-#include "renderer/scene/stand_ins.hpp"
-#include "renderer/scene/surface_nets.hpp"
+#include "renderer/scene/procedural/shapes.hpp"
+#include "renderer/scene/procedural/stand_ins.hpp"
+#include "renderer/scene/procedural/surface_nets.hpp"
 
 namespace irt {
 namespace {

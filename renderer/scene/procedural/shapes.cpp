@@ -1,4 +1,4 @@
-#include "renderer/scene/shapes.hpp"
+#include "renderer/scene/procedural/shapes.hpp"
 
 #include <cmath>
 #include <utility>
@@ -185,7 +185,7 @@ void add_leaf(Mesh& mesh, Vec3 root, Vec3 middle, Vec3 tip, float width, int tri
 
 Turn::Turn(double turns) {
   const double quarters = 4 * (turns - std::floor(turns));
-  const auto nearest = static_cast<int>(quarters + 0.5);
+  const auto nearest = static_cast<int>(std::lround(quarters));
   const double x = (quarters - nearest) * 1.5707963267948966;
   const double xx = x * x;
   double s = x * (1 - xx / 6 * (1 - xx / 20 * (1 - xx / 42 * (1 - xx / 72 * (1 - xx / 110)))));

@@ -1,4 +1,4 @@
-#include "renderer/scene/furniture.hpp"
+#include "renderer/scene/procedural/furniture.hpp"
 
 #include <algorithm>
 #include <utility>
