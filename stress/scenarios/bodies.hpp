@@ -1,0 +1,17 @@
+/// The programs of the scenarios: one file each, named after it.
+#pragma once
+
+#include "stress/scenarios/core.hpp"
+
+namespace irt::stress {
+
+void bursts(Core& core);
+void built_and_dropped(Core& core);
+void full_ring(Core& core);
+void mix(Core& core);
+void near_empty(Core& core);
+void ping_pong(Core& core);
+void renderer(Core& core);
+void roles(Core& core);
+
+}  // namespace irt::stress

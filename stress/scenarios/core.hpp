@@ -1,0 +1,129 @@
+/// What a scenario's worker stands on: a real thread or a virtual core.
+///
+/// Scenarios never touch threads, clocks or the queue themselves; whoever runs them derives from
+/// `Core` and says how to stamp, wait and meet. So the same file runs on real threads and on
+/// virtual cores.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "queues/work_queue.hpp"
+#include "stress/history/operation.hpp"
+
+namespace irt::stress {
+
+/// A queue of elements behind the type-erased face.
+using ElementQueue = AnyWorkQueue<Element>;
+
+/// Thrown by `Core::complain`: a scenario saw the queue break a promise that no log records.
+class Complaint : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What lasts from one thread to the next in the role of a worker.
+struct WorkerState {
+  unsigned worker = 0;
+  unsigned workers = 1;          ///< in this run; the queue was built for as many
+  bool pushes = true;            ///< may call `push`
+  bool pops = true;              ///< may call `pop`
+  std::size_t capacity = 0;      ///< what the queue was built with
+  std::uint64_t random = 1;      ///< state of the random numbers; any value
+  std::uint64_t operations = 0;  ///< how many `Core::more` grants to each thread
+  std::uint64_t next_sequence = 0;
+  std::uint64_t barriers = 0;
+  std::vector<Operation> log;  ///< reserve `log_size()` so that recording never allocates
+
+  /// Enough for `generations` threads, each with its operations and some barriers.
+  [[nodiscard]] std::size_t log_size(unsigned generations) const {
+    return (operations + operations / 2 + 64) * generations;
+  }
+};
+
+/// One worker of a run. Not thread-safe; each thread has its own.
+class Core {
+ public:
+  Core(WorkerState& state, ElementQueue& queue)
+      : state_(state), queue_(queue), left_(state.operations) {}
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+  virtual ~Core() = default;
+
+  [[nodiscard]] const WorkerState& self() const { return state_; }
+
+  /// Whether this thread's share of operations is not used up.
+  [[nodiscard]] bool more() const { return left_ > 0; }
+
+  /// Pushes this worker's next element and records it. False for *full*; the next push then offers
+  /// the same element.
+  bool push() {
+    const Element e = element(state_.worker, state_.next_sequence);
+    if (left_ > 0) --left_;
+    const Stamp invoked = enter(Kind::push);
+    const bool accepted = queue_.push(state_.worker, e);
+    const Stamp returned = leave();
+    state_.log.push_back({invoked, returned, e, accepted ? Kind::push : Kind::full});
+    if (accepted) ++state_.next_sequence;
+    return accepted;
+  }
+
+  /// Pops and records.
+  std::optional<Element> pop() {
+    Element e = ~Element{0};
+    if (left_ > 0) --left_;
+    const Stamp invoked = enter(Kind::pop);
+    const bool found = queue_.pop(state_.worker, e);
+    const Stamp returned = leave();
+    state_.log.push_back({invoked, returned, e, found ? Kind::pop : Kind::empty});
+    return found ? std::optional(e) : std::nullopt;
+  }
+
+  /// Waits until every worker of the run is here. All must call it equally often.
+  void meet() {
+    wait_for_all();
+    const Stamp now = stamp();
+    state_.log.push_back({now, now, state_.barriers++, Kind::meet});
+  }
+
+  /// A random number below `bound`, from the run's seed.
+  std::uint64_t random(std::uint64_t bound) {
+    // Steele, Lea and Flood's SplitMix (2014): one word of state, any seed will do.
+    std::uint64_t z = (state_.random += 0x9e3779b97f4a7c15U);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    return (z ^ (z >> 31)) % bound;
+  }
+
+  /// Ends the run with a finding.
+  [[noreturn]] void complain(const std::string& text) const { throw Complaint(text); }
+
+  /// Nothing to do just now: lets others run.
+  virtual void idle() = 0;
+
+  /// The moment, on the clock of the logs.
+  virtual Stamp stamp() = 0;
+
+  /// A second queue of the same kind.
+  virtual std::unique_ptr<ElementQueue> another_queue(unsigned workers, std::size_t capacity) = 0;
+
+ protected:
+  /// An operation is about to start; returns the moment.
+  virtual Stamp enter(Kind kind) = 0;
+  /// It has ended; returns the moment.
+  virtual Stamp leave() = 0;
+  /// The barrier of all workers.
+  virtual void wait_for_all() = 0;
+
+ private:
+  WorkerState& state_;
+  ElementQueue& queue_;
+  std::uint64_t left_;
+};
+
+}  // namespace irt::stress

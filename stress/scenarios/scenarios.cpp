@@ -1,0 +1,61 @@
+#include "stress/scenarios/scenarios.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "stress/scenarios/bodies.hpp"
+
+namespace irt::stress {
+namespace {
+
+// Name, what it does, pushers, poppers, together, capacity, generations, program.
+constexpr std::array all{
+    Scenario{"spsc", "one producer, one consumer", 1, 1, false, 64, 1, mix},
+    Scenario{"mpsc", "three producers, one consumer", 3, 1, false, 64, 1, mix},
+    Scenario{"spmc", "one producer, three consumers", 1, 3, false, 64, 1, mix},
+    Scenario{"mpmc", "two producers, two consumers", 2, 2, false, 64, 1, mix},
+    Scenario{"eight-to-one", "eight producers, one consumer", 8, 1, false, 256, 1, mix},
+    Scenario{"one-to-eight", "one producer, eight consumers", 1, 8, false, 256, 1, mix},
+    Scenario{"crowd", "eight producers, eight consumers: more threads than cores", 8, 8, false, 256,
+             1, mix},
+    Scenario{"bursts", "producers push many at once, consumers empty the queue", 2, 2, false, 512,
+             1, bursts},
+    Scenario{"ping-pong", "each worker pushes one and takes one", 2, 2, true, 64, 1, ping_pong},
+    Scenario{"near-empty", "rare pushes, many failing pops", 1, 3, false, 64, 1, near_empty},
+    Scenario{"full-ring", "pushes against a full queue, slow pops", 3, 1, false, 4, 1, full_ring},
+    Scenario{"tiny", "a capacity of one: rings and segments wrap all the time", 2, 2, false, 1, 1,
+             mix},
+    Scenario{"roles", "workers that push for a while, then pop for a while", 3, 3, true, 128, 1,
+             roles},
+    Scenario{"come-and-go", "short-lived threads, one after the other, for every worker", 2, 2,
+             false, 64, 12, mix},
+    Scenario{"renderer", "workers pop a task and push up to six, frame after frame", 3, 3, true,
+             4096, 1, renderer},
+    Scenario{"built-and-dropped", "other queues are built and dropped, full, beside the one in use",
+             2, 2, true, 64, 1, built_and_dropped},
+};
+
+}  // namespace
+
+Cast cast_for(const Scenario& scenario, const Claims& claims) {
+  const bool own =
+      claims.producers == Callers::own_worker || claims.consumers == Callers::own_worker;
+  const unsigned pushers = claims.producers == Callers::one ? 1 : scenario.pushers;
+  const unsigned poppers = claims.consumers == Callers::one ? 1 : scenario.poppers;
+  if (!scenario.together && !own) return {pushers + poppers, pushers, poppers};
+  const unsigned workers =
+      own ? std::max({2U, scenario.pushers, scenario.poppers}) : std::min(pushers, poppers);
+  return {workers, workers, workers};
+}
+
+std::span<const Scenario> scenarios() {
+  return all;
+}
+
+const Scenario* find_scenario(std::string_view name) {
+  const auto* found =
+      std::find_if(all.begin(), all.end(), [&](const Scenario& s) { return s.name == name; });
+  return found == all.end() ? nullptr : found;
+}
+
+}  // namespace irt::stress

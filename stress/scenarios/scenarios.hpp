@@ -1,0 +1,47 @@
+/// Who pushes and pops what. One file per scenario, one line here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "stress/scenarios/core.hpp"
+
+namespace irt::stress {
+
+/// A pattern of use. `run` is the program of every worker; it asks `Core::self()` for its part and
+/// works until `Core::more()` ends.
+struct Scenario {
+  std::string_view name;
+  std::string_view summary;
+  /// How many workers push and how many pop, when the queue allows several.
+  unsigned pushers = 2;
+  unsigned poppers = 2;
+  bool together = false;       ///< every worker does both; `pushers` of them
+  std::size_t capacity = 256;  ///< the queue's capacity hint
+  unsigned generations = 1;    ///< threads that follow each other in the role of each worker
+  void (*run)(Core& core) = nullptr;
+};
+
+/// The part of each worker when a queue with certain claims meets a scenario.
+struct Cast {
+  unsigned workers = 0;
+  unsigned pushers = 0;  ///< workers [0, pushers) push
+  unsigned poppers = 0;  ///< workers [workers - poppers, workers) pop
+
+  [[nodiscard]] bool pushes(unsigned worker) const { return worker < pushers; }
+  [[nodiscard]] bool pops(unsigned worker) const { return worker >= workers - poppers; }
+};
+
+/// The largest cast of `scenario` that `claims` allow. A queue for one producer gets one; a queue
+/// per worker gets workers that do both.
+Cast cast_for(const Scenario& scenario, const Claims& claims);
+
+/// All scenarios.
+std::span<const Scenario> scenarios();
+
+/// The scenario `name`, or null.
+const Scenario* find_scenario(std::string_view name);
+
+}  // namespace irt::stress

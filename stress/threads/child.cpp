@@ -1,0 +1,222 @@
+#include "stress/threads/child.hpp"
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <poll.h>
+#include <stdexcept>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "stress/threads/sanitizer.hpp"
+#include "stress/threads/signals.hpp"
+
+namespace irt::stress {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::json;
+
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Trace trace_of(const json& addresses) {
+  Trace trace{};
+  std::size_t at = 0;
+  for (const json& address : addresses) {
+    const auto value = address.get<std::uint64_t>();
+    if (value != 0 && at < trace.size()) {
+      // An address of the child, who is our copy: it names the same function here.
+      trace[at++] = reinterpret_cast<void*>(value);  // NOLINT(performance-no-int-to-ptr)
+    }
+  }
+  return trace;
+}
+
+std::string stack_text(const json& addresses) {
+  std::string text;
+  for (const std::string& line : describe(trace_of(addresses))) {
+    text += fmt::format("    {}\n", line);
+  }
+  return text.empty() ? "    (no answer)\n" : text;
+}
+
+std::string read_all(int file) {
+  std::string text;
+  lseek(file, 0, SEEK_SET);
+  std::array<char, 4096> part{};
+  for (ssize_t n = 0; (n = read(file, part.data(), part.size())) > 0;) {
+    text.append(part.data(), static_cast<std::size_t>(n));
+  }
+  return text;
+}
+
+/// Everything the parent keeps about a running child.
+struct Listener {
+  Result& result;
+  Clock::time_point start = Clock::now();
+  const std::function<void(std::uint64_t)>& on_progress;
+  std::string buffer = {};
+
+  void add(Finding finding) {
+    if (finding.seconds == 0) finding.seconds = since(start);
+    result.findings.push_back(std::move(finding));
+  }
+
+  void take(const json& message) {
+    if (message.contains("operations")) {
+      result.operations = message["operations"];
+      on_progress(result.operations);
+    } else if (message.contains("finding")) {
+      add(message["finding"].get<Finding>());
+    } else if (message.contains("note")) {
+      result.notes.push_back(message["note"]);
+    } else if (message.contains("limit")) {
+      result.limits.push_back(message["limit"]);
+    } else if (message.contains("figure")) {
+      result.figures[message["figure"].get<std::string>()] = message["value"];
+    } else if (message.contains("crash")) {
+      const int signal = message["crash"];
+      add({.claim = fmt::format("does not crash ({})", strsignal(signal)),
+           .evidence = "the thread that crashed stood in\n" + stack_text(message["trace"]),
+           .repeat = {}});
+    } else if (message.contains("hang")) {
+      std::string text;
+      for (const auto& [thread, addresses] : message["stacks"].items()) {
+        text += fmt::format("  {}\n{}", thread, stack_text(addresses));
+      }
+      add({.claim = message["hang"], .evidence = text, .repeat = {}});
+    }
+  }
+
+  void feed(const char* data, std::size_t size) {
+    buffer.append(data, size);
+    for (std::size_t end = 0; (end = buffer.find('\n')) != std::string::npos;) {
+      take(json::parse(buffer.substr(0, end)));
+      buffer.erase(0, end + 1);
+    }
+  }
+};
+
+/// What the way in which a child ended tells.
+void judge_end(Listener& listener, int status, const std::string& errors) {
+  Result& result = listener.result;
+  if (WIFSIGNALED(status)) {
+    listener.add({.claim = fmt::format("does not crash ({})", strsignal(WTERMSIG(status))),
+                  .evidence = errors,
+                  .repeat = {}});
+    return;
+  }
+  const int code = WEXITSTATUS(status);
+  if (code == 0 || !result.findings.empty()) return;
+  if (sanitizer == Sanitizer::thread && errors.find("ThreadSanitizer") != std::string::npos) {
+    const std::uint64_t fences = result.figures.value("fences", std::uint64_t{0});
+    if (fences > 0 && errors.find("data race") != std::string::npos) {
+      result.limits.push_back(fmt::format(
+          "ThreadSanitizer reports a race, but this queue executed {} fences "
+          "(std::atomic_thread_fence), which ThreadSanitizer does not understand: no verdict",
+          fences));
+      result.figures["unjudged_report"] = errors;
+      return;
+    }
+    listener.add(
+        {.claim = "free of data races (ThreadSanitizer)", .evidence = errors, .repeat = {}});
+  } else if (errors.find("Sanitizer") != std::string::npos) {
+    listener.add(
+        {.claim = "free of memory errors (AddressSanitizer)", .evidence = errors, .repeat = {}});
+  } else {
+    listener.add({.claim = fmt::format("does not end the process (exit code {})", code),
+                  .evidence = errors,
+                  .repeat = {}});
+  }
+}
+
+}  // namespace
+
+void Messenger::send(const json& message) const {
+  const std::string line = message.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  for (std::size_t at = 0; at < line.size();) {
+    const ssize_t n = write(descriptor_, line.data() + at, line.size() - at);
+    if (n < 0 && errno != EINTR) _exit(5);
+    if (n > 0) at += static_cast<std::size_t>(n);
+  }
+}
+void Messenger::progress(std::uint64_t operations) {
+  send({{"operations", operations}});
+}
+void Messenger::finding(const Finding& finding) {
+  send({{"finding", finding}});
+}
+void Messenger::note(const std::string& sentence) {
+  send({{"note", sentence}});
+}
+void Messenger::limit(const std::string& sentence) {
+  send({{"limit", sentence}});
+}
+void Messenger::figure(const std::string& name, const json& value) {
+  send({{"figure", name}, {"value", value}});
+}
+void Messenger::hang(const std::string& what, const json& stacks) {
+  send({{"hang", what}, {"stacks", stacks}});
+  _exit(3);
+}
+
+void run_in_child(Result& result, double seconds, double patience,
+                  const std::function<void(Messenger&)>& suite,
+                  const std::function<void(std::uint64_t)>& on_progress) {
+  std::array<int, 2> line{};
+  if (pipe(line.data()) != 0) throw std::runtime_error("no pipe to a child process: out of files");
+  const int errors = memfd_create("stress-errors", 0);
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no child process: the system refuses to fork");
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    close(line[0]);
+    dup2(errors, STDERR_FILENO);
+    report_crashes_to(line[1]);
+    Messenger messenger(line[1]);
+    suite(messenger);
+    std::exit(0);  // not _exit: LeakSanitizer reports at exit
+  }
+  close(line[1]);
+
+  Listener listener{.result = result, .on_progress = on_progress};
+  bool killed = false;
+  auto last_word = Clock::now();
+  for (std::array<char, 65536> part{};;) {
+    pollfd wait{.fd = line[0], .events = POLLIN, .revents = 0};
+    const int ready = poll(&wait, 1, 200);
+    if (ready > 0) {
+      const ssize_t n = read(line[0], part.data(), part.size());
+      if (n <= 0) break;
+      listener.feed(part.data(), static_cast<std::size_t>(n));
+      last_word = Clock::now();
+    } else if (since(listener.start) > seconds && since(last_word) > patience) {
+      killed = true;
+      kill(child, SIGKILL);
+    }
+  }
+  close(line[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  result.seconds = since(listener.start);
+  if (killed) {
+    listener.add(
+        {.claim = "does not hang",
+         .evidence = fmt::format("silent for {} s; not even the watchdog answered", patience),
+         .repeat = {}});
+  } else {
+    judge_end(listener, status, read_all(errors));
+  }
+  close(errors);
+}
+
+}  // namespace irt::stress

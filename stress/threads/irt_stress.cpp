@@ -1,0 +1,271 @@
+// irt-stress: tries to break the claims of queues on real threads.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "queues/registry.hpp"
+#include "stress/threads/allocator.hpp"
+#include "stress/threads/sanitizer.hpp"
+#include "stress/threads/suites.hpp"
+
+namespace irt::stress {
+namespace {
+
+struct Options {
+  std::vector<std::string> queues{"all"};
+  std::vector<std::filesystem::path> plugins;
+  std::vector<std::string> scenarios{"all"};
+  std::vector<std::string> suites{"all"};
+  double seconds = 30;
+  std::uint64_t seed = 1;
+  std::string sanitizer;
+  std::string json;
+  std::string junit;
+  bool list = false;
+};
+
+/// Input that the tool cannot use; `what()` is for the user.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Whether the queue is somebody else's behind our contract (queues/comparators).
+bool is_third_party(std::string_view queue) {
+  static constexpr std::string_view comparators = IRT_COMPARATORS;  // " name name "
+  return comparators.find(fmt::format(" {} ", queue)) != std::string_view::npos;
+}
+
+constexpr std::array suite_names{"scenarios", "progress", "faults", "memory"};
+
+bool chosen(const std::vector<std::string>& choice, std::string_view name) {
+  return std::any_of(choice.begin(), choice.end(),
+                     [&](const std::string& c) { return c == "all" || c == name; });
+}
+
+class Session {
+ public:
+  Session(const Options& options, const ClockQuality& clock) : options_(options), clock_(clock) {}
+
+  void stress(const QueueEntry& queue) {
+    const std::vector<Job> jobs = plan(queue);
+    double weight = 0;
+    for (const Job& job : jobs) weight += job.weight;
+    for (const Job& job : jobs) run(queue, job, options_.seconds * job.weight / weight);
+  }
+
+  [[nodiscard]] const std::vector<Result>& results() const { return results_; }
+
+  /// Whether a claim of a queue of ours broke.
+  [[nodiscard]] bool broken() const {
+    return std::any_of(results_.begin(), results_.end(), [](const Result& result) {
+      return !result.findings.empty() && !result.third_party;
+    });
+  }
+
+ private:
+  struct Job {
+    std::string suite;
+    const Scenario* scenario;
+    double weight;
+    std::function<void(const Assignment&, Messenger&)> run;
+  };
+
+  [[nodiscard]] std::vector<Job> plan(const QueueEntry& queue) const {
+    std::vector<Job> jobs;
+    if (chosen(options_.suites, "scenarios")) {
+      for (const Scenario& scenario : scenarios()) {
+        if (!chosen(options_.scenarios, scenario.name)) continue;
+        jobs.push_back({"scenarios", &scenario, 1,
+                        [&](const Assignment& a, Messenger& m) { run_scenario(a, scenario, m); }});
+      }
+    }
+    // The others need signals that stop a thread at once and an allocator of our own.
+    if (sanitizer != Sanitizer::none || !chosen(options_.scenarios, "all")) return jobs;
+    const bool own = queue.claims.consumers == Callers::own_worker;
+    if (chosen(options_.suites, "progress")) {
+      jobs.push_back({"progress", nullptr, own ? 0.1 : 4, run_progress});
+    }
+    if (chosen(options_.suites, "faults")) jobs.push_back({"faults", nullptr, 0.5, run_faults});
+    if (chosen(options_.suites, "memory")) jobs.push_back({"memory", nullptr, 1.5, run_memory});
+    return jobs;
+  }
+
+  void run(const QueueEntry& queue, const Job& job, double seconds) {
+    Result result;
+    result.queue = queue.name;
+    result.suite = job.suite;
+    result.scenario = job.scenario != nullptr ? job.scenario->name : "";
+    result.seed = options_.seed;
+    result.third_party = is_third_party(queue.name);
+    const std::string repeat = repeat_command(queue, job, seconds);
+    const Assignment assignment{queue, clock_, seconds, options_.seed, repeat};
+    const bool terminal = isatty(STDOUT_FILENO) != 0;
+    const auto progress = [&](std::uint64_t operations) {
+      if (!terminal) return;
+      fmt::print("\r{:<16} {:<30} {:>11} operations, {} findings\x1b[K", queue.name,
+                 job.scenario != nullptr ? job.scenario->name : job.suite, operations, found());
+      std::fflush(stdout);
+    };
+    std::fflush(stdout);
+    run_in_child(
+        result, seconds, 30, [&](Messenger& m) { job.run(assignment, m); }, progress);
+    for (Finding& finding : result.findings) finding.repeat = repeat;
+    if (terminal) fmt::print("\r\x1b[K");
+    fmt::print("{}", to_text(result));
+    results_.push_back(std::move(result));
+  }
+
+  [[nodiscard]] std::size_t found() const {
+    std::size_t sum = 0;
+    for (const Result& result : results_) sum += result.findings.size();
+    return sum;
+  }
+
+  [[nodiscard]] std::string repeat_command(const QueueEntry& queue, const Job& job,
+                                           double seconds) const {
+    std::string command = fmt::format("./irt stress --queue {} --suite {}", queue.name, job.suite);
+    for (const auto& plugin : options_.plugins)
+      command += fmt::format(" --plugin {}", plugin.string());
+    if (job.scenario != nullptr) command += fmt::format(" --scenario {}", job.scenario->name);
+    if (sanitizer != Sanitizer::none) command += fmt::format(" --sanitizer {}", sanitizer_name());
+    return command +
+           fmt::format(" --seed {} --seconds {:.0f}", options_.seed, std::max(1.0, 5 * seconds));
+  }
+
+  const Options& options_;
+  const ClockQuality& clock_;
+  std::vector<Result> results_;
+};
+
+void check_names(const Options& options) {
+  for (const std::string& name : options.scenarios) {
+    if (name == "all" || find_scenario(name) != nullptr) continue;
+    throw UsageError(fmt::format("no scenario '{}': --list shows them", name));
+  }
+  for (const std::string& name : options.suites) {
+    if (name == "all" ||
+        std::find(suite_names.begin(), suite_names.end(), name) != suite_names.end()) {
+      continue;
+    }
+    throw UsageError(
+        fmt::format("no suite '{}': there are {}", name, fmt::join(suite_names, ", ")));
+  }
+  if (!options.sanitizer.empty() && options.sanitizer != sanitizer_name()) {
+    throw UsageError(fmt::format(
+        "--sanitizer {}: this program was built with '{}'; ./irt stress --sanitizer {} builds and "
+        "runs the right one",
+        options.sanitizer, sanitizer_name(), options.sanitizer));
+  }
+}
+
+void list() {
+  fmt::print("scenarios\n");
+  for (const Scenario& s : scenarios()) fmt::print("  {:<18} {}\n", s.name, s.summary);
+  fmt::print("suites\n  {}\n", fmt::join(suite_names, ", "));
+}
+
+void write(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  if (!file) throw UsageError(fmt::format("cannot write '{}'", path));
+}
+
+int stress_queues(const Options& options) {
+  check_names(options);
+  if (options.list) {
+    list();
+    return 0;
+  }
+  QueueRegistry registry;
+  for (const auto& plugin : options.plugins) registry.open(plugin);
+  std::vector<const QueueEntry*> queues;
+  for (const std::string& name : options.queues) {
+    if (name == "all") {
+      for (const QueueEntry& entry : registry.entries()) queues.push_back(&entry);
+    } else {
+      queues.push_back(&registry.at(name));
+    }
+  }
+  const ClockQuality clock = calibrate();
+  fmt::print("{}\nsanitizer: {}, seed {}\n", clock.description, sanitizer_name(), options.seed);
+
+  Session session(options, clock);
+  // Ours first, the libraries' queues after them.
+  std::stable_partition(queues.begin(), queues.end(),
+                        [](const QueueEntry* queue) { return !is_third_party(queue->name); });
+  bool third_party = false;
+  for (const QueueEntry* queue : queues) {
+    if (is_third_party(queue->name) && !std::exchange(third_party, true)) {
+      fmt::print("third-party (findings are reported and do not fail the run)\n");
+    }
+    session.stress(*queue);
+  }
+  const nlohmann::json document{{"clock", clock.description},
+                                {"sanitizer", sanitizer_name()},
+                                {"seed", options.seed},
+                                {"results", session.results()}};
+  if (!options.json.empty()) write(options.json, document.dump(2) + "\n");
+  if (!options.junit.empty()) write(options.junit, to_junit(session.results()));
+  return session.broken() ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace irt::stress
+
+namespace {
+
+int parse_and_run(int argc, char** argv) {
+  irt::stress::Options options;
+  CLI::App app{"Tries to break what queues claim, on real threads. Exit code 1: a claim broke."};
+  app.name("irt stress");
+  app.add_option("-q,--queue", options.queues, "queues by name, or all")->capture_default_str();
+  app.add_option("--plugin", options.plugins, "shared objects with further queues");
+  app.add_option("--scenario", options.scenarios, "scenarios by name, or all")
+      ->capture_default_str();
+  app.add_option("--suite", options.suites, "scenarios, progress, faults, memory, or all")
+      ->capture_default_str();
+  app.add_option("--seconds", options.seconds, "for each queue")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "of all random choices")->capture_default_str();
+  app.add_option("--sanitizer", options.sanitizer, "none, tsan or asan: must be this build's");
+  app.add_option("--json", options.json, "write the results to this file");
+  app.add_option("--junit", options.junit, "write JUnit XML to this file");
+  app.add_flag("--list", options.list, "show scenarios and suites, run nothing");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  }
+  try {
+    return irt::stress::stress_queues(options);
+  } catch (const irt::stress::UsageError& error) {
+    fmt::print(stderr, "irt stress: {}\n", error.what());
+  } catch (const irt::RegistryError& error) {
+    fmt::print(stderr, "irt stress: {}\n", error.what());
+  }
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "irt stress: %s\n", error.what());
+    return 2;
+  }
+}

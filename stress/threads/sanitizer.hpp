@@ -1,0 +1,43 @@
+/// Which sanitizer this program was built with.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace irt::stress {
+
+enum class Sanitizer : std::uint8_t { none, thread, address };
+
+#if defined(__SANITIZE_THREAD__)
+inline constexpr Sanitizer sanitizer = Sanitizer::thread;
+#elif defined(__SANITIZE_ADDRESS__)
+inline constexpr Sanitizer sanitizer = Sanitizer::address;
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+inline constexpr Sanitizer sanitizer = Sanitizer::thread;
+#elif __has_feature(address_sanitizer)
+inline constexpr Sanitizer sanitizer = Sanitizer::address;
+#else
+inline constexpr Sanitizer sanitizer = Sanitizer::none;
+#endif
+#else
+inline constexpr Sanitizer sanitizer = Sanitizer::none;
+#endif
+
+constexpr std::string_view sanitizer_name() {
+  switch (sanitizer) {
+    case Sanitizer::none:
+      return "none";
+    case Sanitizer::thread:
+      return "tsan";
+    case Sanitizer::address:
+      return "asan";
+  }
+  return "?";
+}
+
+/// How many fences the calling process has executed that ThreadSanitizer does not understand.
+/// Always 0 without ThreadSanitizer.
+std::uint64_t fences_executed();
+
+}  // namespace irt::stress

@@ -1,0 +1,302 @@
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <optional>
+#include <thread>
+
+#include "stress/history/judge.hpp"
+#include "stress/threads/sanitizer.hpp"
+#include "stress/threads/signals.hpp"
+#include "stress/threads/suites.hpp"
+#include "stress/threads/thread_core.hpp"
+#include "stress/threads/watchdog.hpp"
+
+#if defined(__SANITIZE_THREAD__)
+#include <sanitizer/common_interface_defs.h>
+#endif
+
+namespace irt::stress {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::uint64_t mix_seed(std::uint64_t seed, std::uint64_t round) {
+  std::uint64_t z = seed * 0x9e3779b97f4a7c15U + round;
+  z = (z ^ (z >> 31)) * 0xd6e8feb86659fd93U;
+  return z ^ (z >> 32);
+}
+
+/// Puts random threads to sleep at random moments, for as long as it lives.
+class Interrupter {
+ public:
+  Interrupter(std::vector<Slot>& slots, std::uint64_t seed)
+      : thread_([this, &slots, seed] { disturb(slots, seed); }) {}
+  Interrupter(const Interrupter&) = delete;
+  Interrupter& operator=(const Interrupter&) = delete;
+  ~Interrupter() { thread_.join(); }
+
+  void set_active(bool active) { active_.store(active, std::memory_order_relaxed); }
+  void stop() { stop_.store(true, std::memory_order_relaxed); }
+
+ private:
+  void disturb(std::vector<Slot>& slots, std::uint64_t seed) {
+    std::uint64_t random = seed;
+    while (!stop_.load(std::memory_order_relaxed)) {
+      random = mix_seed(random, 1);
+      if (active_.load(std::memory_order_relaxed)) {
+        stall(slots[random % slots.size()], 1'000 + (random >> 20) % 200'000);
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(10 + (random >> 40) % 60));
+    }
+  }
+
+  std::atomic<bool> active_{false};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// How many operations each thread of a round makes: mostly few, from a common start, because most
+/// bugs need few; sometimes many, for what must wrap, grow or be reclaimed first.
+std::uint64_t round_size(std::uint64_t dice, unsigned workers) {
+  const std::uint64_t slow = sanitizer == Sanitizer::none ? 1 : 4;
+  switch (dice % 8) {
+    case 0:
+      return 2 + dice / 8 % 4;
+    case 1:
+    case 2:
+    case 3:
+      return 4 + dice / 8 % 28;
+    case 4:
+    case 5:
+    case 6:
+      return (200 + dice / 8 % 1'800) / slow;
+    default:
+      return (workers > 6 ? 4'000 : 20'000) / slow;
+  }
+}
+
+class ScenarioRunner {
+ public:
+  ScenarioRunner(const Assignment& assignment, const Scenario& scenario, Messenger& messenger)
+      : assignment_(assignment),
+        scenario_(scenario),
+        cast_(cast_for(scenario, assignment.queue.claims)),
+        slots_(cast_.workers + 1),
+        states_(cast_.workers),
+        watchdog_(slots_, hang_patience(), messenger),
+        team_(cast_.workers, slots_.data()),
+        interrupter_(slots_, assignment.seed) {}
+
+  ~ScenarioRunner() { interrupter_.stop(); }
+  ScenarioRunner(const ScenarioRunner&) = delete;
+  ScenarioRunner& operator=(const ScenarioRunner&) = delete;
+
+  /// One round; the finding, if a claim broke.
+  std::optional<Finding> round(std::uint64_t number) {
+    const std::uint64_t seed = mix_seed(assignment_.seed, number);
+    const Perturbation perturbation = Perturbation::draw(seed >> 8);
+    prepare(seed);
+    History history;
+    std::optional<Finding> finding;
+    Slot& own_slot = slots_.back();
+    const auto bump = [&] {
+      own_slot.done.store(own_slot.done.load(std::memory_order_relaxed) + 1,
+                          std::memory_order_relaxed);
+    };
+    {
+      const Presence presence(own_slot);
+      bump();
+      const auto queue = assignment_.queue.make_word_queue(cast_.workers, scenario_.capacity);
+      interrupter_.set_active(perturbation.stalls);
+      try {
+        run_team(*queue, perturbation, seed);
+        interrupter_.set_active(false);
+        drain(*queue, history.drain);
+      } catch (const std::exception& error) {
+        finding = Finding{.claim = "keeps its contract", .evidence = error.what(), .repeat = {}};
+      }
+      interrupter_.set_active(false);
+      bump();
+    }
+    for (WorkerState& state : states_) history.logs.push_back(std::move(state.log));
+    history.error = assignment_.clock.error;
+    if (!finding) finding = judge_history(history);
+    bump();
+    if (finding) {
+      finding->evidence +=
+          fmt::format("in round {} of {} threads with {} operations each, {}\n", number,
+                      cast_.workers, states_[0].operations, perturbation.describe());
+      finding->repeat = assignment_.repeat;
+    }
+    return finding;
+  }
+
+  [[nodiscard]] const Verdict& sums() const { return sums_; }
+
+ private:
+  void prepare(std::uint64_t seed) {
+    const std::uint64_t operations =
+        std::max<std::uint64_t>(2, round_size(seed >> 32, cast_.workers) / scenario_.generations);
+    for (unsigned worker = 0; worker < cast_.workers; ++worker) {
+      WorkerState& state = states_[worker];
+      state = {.worker = worker,
+               .workers = cast_.workers,
+               .pushes = cast_.pushes(worker),
+               .pops = cast_.pops(worker),
+               .capacity = scenario_.capacity,
+               .random = mix_seed(seed, worker),
+               .operations = operations,
+               .log = {}};
+      state.log.reserve(state.log_size(scenario_.generations));
+    }
+  }
+
+  void run_team(ElementQueue& queue, const Perturbation& perturbation, std::uint64_t seed) {
+    Gate gate(cast_.workers);
+    const auto one_thread = [&](unsigned worker, unsigned generation) {
+      ThreadCore core(states_[worker], queue, assignment_.queue, slots_[worker], gate, perturbation,
+                      seed + worker + 1000 * generation);
+      try {
+        scenario_.run(core);
+      } catch (...) {
+        gate.abandon();
+        slots_[worker].doing.store(Doing::nothing, std::memory_order_relaxed);
+        throw;
+      }
+    };
+    team_.run([&](unsigned worker) {
+      if (scenario_.generations == 1) {
+        one_thread(worker, 0);
+        return;
+      }
+      for (unsigned generation = 0; generation < scenario_.generations; ++generation) {
+        std::exception_ptr failure;
+        std::thread([&] {
+          Slot*& slot = current_slot();
+          const pid_t owner = slots_[worker].thread.load(std::memory_order_relaxed);
+          {
+            const Presence presence(slots_[worker]);
+            try {
+              one_thread(worker, generation);
+            } catch (...) {
+              failure = std::current_exception();
+            }
+          }
+          slot = nullptr;
+          slots_[worker].thread.store(owner, std::memory_order_relaxed);
+        }).join();
+        if (failure) std::rethrow_exception(failure);
+      }
+    });
+  }
+
+  /// Takes out what is left, on behalf of every worker that may pop, until all of them find
+  /// nothing.
+  void drain(ElementQueue& queue, std::vector<Operation>& log) {
+    std::uint64_t limit = 1'000;
+    for (const WorkerState& state : states_) limit += state.next_sequence;
+    Gate gate(1);
+    for (bool found = true; found;) {
+      found = false;
+      for (unsigned worker = 0; worker < cast_.workers; ++worker) {
+        if (!cast_.pops(worker)) continue;
+        WorkerState state{.worker = worker, .operations = 0, .log = std::move(log)};
+        ThreadCore core(state, queue, assignment_.queue, slots_.back(), gate, {}, 0);
+        while (state.log.size() < limit && core.pop()) found = true;
+        log = std::move(state.log);
+      }
+      if (log.size() >= limit) return;  // a queue that returns elements for ever: see the repeats
+    }
+  }
+
+  std::optional<Finding> judge_history(const History& history) {
+    const Verdict verdict = judge(history, assignment_.queue.claims, scenario_.capacity);
+    sums_.empties += verdict.empties;
+    sums_.fulls += verdict.fulls;
+    sums_.refuted_empties += verdict.refuted_empties;
+    if (verdict.relaxation) {
+      if (!sums_.relaxation ||
+          verdict.relaxation->rank_error.max > sums_.relaxation->rank_error.max) {
+        sums_.relaxation = verdict.relaxation;
+      }
+    }
+    if (verdict.violations.empty()) return std::nullopt;
+    Finding finding;
+    finding.claim = promise(verdict.violations[0].pattern);
+    for (const Violation& violation : verdict.violations) {
+      finding.evidence += explain(violation, assignment_.clock.ticks_per_nanosecond);
+    }
+    return finding;
+  }
+
+  const Assignment& assignment_;
+  const Scenario& scenario_;
+  Cast cast_;
+  std::vector<Slot> slots_;  ///< one per worker, and one for the thread that drives the rounds
+  std::vector<WorkerState> states_;
+  Verdict sums_;
+  Watchdog watchdog_;
+  Team team_;
+  Interrupter interrupter_;
+};
+
+void tell_figures(const Verdict& sums, const Claims& claims, Messenger& messenger) {
+  messenger.figure("empties", sums.empties);
+  messenger.figure("fulls", sums.fulls);
+  if (sums.refuted_empties > 0) {
+    messenger.figure("refuted_empties", sums.refuted_empties);
+    messenger.note(fmt::format("{} of {} empties are refuted by happens-before (not claimed exact)",
+                               sums.refuted_empties, sums.empties));
+  }
+  if (!sums.relaxation || claims.consumers == Callers::own_worker) return;
+  const Relaxation& r = *sums.relaxation;
+  messenger.figure(
+      "rank_error",
+      {{"mean", r.rank_error.mean}, {"p99", r.rank_error.p99}, {"max", r.rank_error.max}});
+  messenger.figure(
+      "overtaken",
+      {{"mean", r.overtaken.mean}, {"p99", r.overtaken.p99}, {"max", r.overtaken.max}});
+  if (r.rank_error.max > 0) {
+    messenger.note(fmt::format(
+        "most relaxed round: rank error mean {:.2f}, p99 {}, max {}; overtaken mean {:.2f}, p99 "
+        "{}, max {}",
+        r.rank_error.mean, r.rank_error.p99, r.rank_error.max, r.overtaken.mean, r.overtaken.p99,
+        r.overtaken.max));
+  }
+}
+
+#if defined(__SANITIZE_THREAD__)
+Messenger* last_messenger = nullptr;
+#endif
+
+}  // namespace
+
+void run_scenario(const Assignment& assignment, const Scenario& scenario, Messenger& messenger) {
+  install_signals();
+#if defined(__SANITIZE_THREAD__)
+  last_messenger = &messenger;
+  __sanitizer_set_death_callback([] { last_messenger->figure("fences", fences_executed()); });
+#endif
+  const auto start = Clock::now();
+  const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  std::uint64_t rounds = 0;
+  ScenarioRunner runner(assignment, scenario, messenger);
+  for (; passed() < assignment.seconds; ++rounds) {
+    if (std::optional<Finding> finding = runner.round(rounds)) {
+      finding->seconds = passed();
+      messenger.finding(*finding);
+      break;
+    }
+  }
+  messenger.figure("rounds", rounds);
+  tell_figures(runner.sums(), assignment.queue.claims, messenger);
+  if (const std::uint64_t fences = fences_executed(); fences > 0) {
+    messenger.figure("fences", fences);
+    messenger.limit(fmt::format(
+        "{} fences executed: ThreadSanitizer does not understand std::atomic_thread_fence, so "
+        "silence proves less and a report would not be believed",
+        fences));
+  }
+}
+
+}  // namespace irt::stress

@@ -1,0 +1,45 @@
+/// One line per worker thread that others may look at while it runs: what it is doing, how far it
+/// is, and where it stands. Written by its own thread, read by watchdog and interrupter.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <sys/types.h>
+
+#include "stress/history/operation.hpp"
+
+namespace irt::stress {
+
+/// Which method a thread is in.
+enum class Doing : std::uint8_t { nothing, push, pop };
+
+/// Return addresses, innermost first; unused places are null.
+using Trace = std::array<void*, 32>;
+
+/// All accesses are relaxed: a slot informs, it must not order what the queue leaves unordered.
+struct alignas(128) Slot {
+  std::atomic<std::uint64_t> done{0};  ///< operations finished
+  std::atomic<Doing> doing{Doing::nothing};
+  std::atomic<pid_t> thread{0};  ///< kernel thread id; 0 while nobody stands here
+
+  // The signal handlers' side.
+  std::atomic<bool> suspended{false};  ///< the thread is held by the handler, inside an operation
+  std::atomic<bool> refused{false};    ///< asked to be held, it stood in no operation and ran on
+  std::atomic<bool> traced{false};     ///< `trace` is complete
+  Trace trace{};
+};
+
+/// The slot of the calling thread, for the signal handlers; null outside worker threads.
+Slot*& current_slot();
+
+/// Registers the calling thread in `slot` for its lifetime.
+class Presence {
+ public:
+  explicit Presence(Slot& slot);
+  Presence(const Presence&) = delete;
+  Presence& operator=(const Presence&) = delete;
+  ~Presence();
+};
+
+}  // namespace irt::stress

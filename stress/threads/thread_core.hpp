@@ -1,0 +1,55 @@
+/// A scenario's worker on a real thread.
+#pragma once
+
+#include <memory>
+
+#include "stress/history/clock.hpp"
+#include "stress/scenarios/core.hpp"
+#include "stress/threads/perturbation.hpp"
+#include "stress/threads/slot.hpp"
+#include "stress/threads/team.hpp"
+
+namespace irt::stress {
+
+class ThreadCore final : public Core {
+ public:
+  /// `gate` is the barrier of the run. The queue of `entry` is the one under test.
+  ThreadCore(WorkerState& state, ElementQueue& queue, const QueueEntry& entry, Slot& slot,
+             Gate& gate, const Perturbation& perturbation, std::uint64_t seed)
+      : Core(state, queue),
+        entry_(entry),
+        slot_(slot),
+        gate_(gate),
+        disturber_(perturbation, seed) {}
+
+  void idle() override { std::this_thread::yield(); }
+  Stamp stamp() override { return stamp_after(); }
+  std::unique_ptr<ElementQueue> another_queue(unsigned workers, std::size_t capacity) override {
+    return entry_.make_word_queue(workers, capacity);
+  }
+
+ protected:
+  Stamp enter(Kind kind) override {
+    disturber_.edge();
+    slot_.doing.store(kind == Kind::push ? Doing::push : Doing::pop, std::memory_order_relaxed);
+    return stamp_before();
+  }
+  Stamp leave() override {
+    const Stamp now = stamp_after();
+    slot_.doing.store(Doing::nothing, std::memory_order_relaxed);
+    // relaxed, not an increment in memory: only this thread writes
+    slot_.done.store(slot_.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    return now;
+  }
+  void wait_for_all() override {
+    if (!gate_.pass()) complain("another worker gave up");
+  }
+
+ private:
+  const QueueEntry& entry_;
+  Slot& slot_;
+  Gate& gate_;
+  Disturber disturber_;
+};
+
+}  // namespace irt::stress
