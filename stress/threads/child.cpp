@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
@@ -174,6 +175,7 @@ void run_in_child(Result& result, double seconds, double patience,
   std::array<int, 2> line{};
   if (pipe(line.data()) != 0) throw std::runtime_error("no pipe to a child process: out of files");
   const int errors = memfd_create("stress-errors", 0);
+  std::fflush(nullptr);  // or both of us write what is in the buffers
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("no child process: the system refuses to fork");
   if (child == 0) {
