@@ -57,7 +57,7 @@ class Churn {
         if (inside < most_inside && queue.push(worker, element(worker, i))) {
           ++own_inside;
           const std::int64_t pushed = pushed_.fetch_add(1, std::memory_order_relaxed) + 1;
-          if (worker == 0 && pushed % 4'096 == 0) sample(pushed);
+          if (worker == 0) sample(pushed);
         } else if (!alone) {
           std::this_thread::yield();
         }
@@ -77,11 +77,17 @@ class Churn {
     }
   }
 
+  /// Keeps some thousand samples, evenly spread over the run so far.
   void sample(std::int64_t pushed) {
-    if (samples_.size() < samples_.capacity()) {
-      samples_.push_back({pushed, Accounting::live().bytes});
+    if (pushed < next_sample_) return;
+    if (samples_.size() == samples_.capacity()) {
+      for (std::size_t i = 0; 2 * i < samples_.size(); ++i) samples_[i] = samples_[2 * i];
+      samples_.resize(samples_.size() / 2);
+      sample_distance_ *= 2;
+      messenger_.progress(static_cast<std::uint64_t>(pushed));
     }
-    if (pushed % (4'096 * 64) == 0) messenger_.progress(static_cast<std::uint64_t>(pushed));
+    samples_.push_back({pushed, Accounting::live().bytes});
+    next_sample_ = pushed + sample_distance_;
   }
 
   void tell(std::int64_t start) {
@@ -132,9 +138,11 @@ class Churn {
   std::vector<Slot> slots_;
   std::atomic<std::int64_t> pushed_{0};
   std::atomic<std::int64_t> popped_{0};
+  std::int64_t sample_distance_ = 64;
+  std::int64_t next_sample_ = 0;
   std::vector<Sample> samples_ = [] {
     std::vector<Sample> samples;
-    samples.reserve(1U << 16);
+    samples.reserve(1U << 12);
     return samples;
   }();
 };
