@@ -1,0 +1,58 @@
+/// The commands of the tool. Each returns the exit code of the process, or throws UsageError,
+/// SceneError or RegistryError.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/frames/workload.hpp"
+#include "queues/registry.hpp"
+
+namespace irt {
+
+inline constexpr unsigned max_threads = 1024;
+
+/// `irt render`: one queue, so many threads.
+struct RenderOptions {
+  WorkloadOptions workload;
+  std::string queue;     ///< empty: the first
+  unsigned threads = 0;  ///< 0: as many as the machine has
+  unsigned frames = 10, warmup = 1;
+  bool plain = false;                      ///< leave the clocks out of the render loop
+  std::filesystem::path image, json, csv;  ///< empty: not written
+};
+int render(RenderOptions options, const QueueRegistry& queues);
+
+/// `irt compare`: several queues, several numbers of threads, interleaved.
+struct CompareOptions {
+  WorkloadOptions workload;
+  std::vector<std::string> queues;  ///< empty: all
+  std::vector<unsigned> threads;    ///< empty: 1, 2, 4 ... up to what the machine has
+  unsigned frames = 0;              ///< per repetition; 0: as many as fit into `seconds`
+  unsigned repetitions = 5, warmup = 1;
+  double seconds = 60;  ///< what all measurements together should take
+  std::vector<std::string> plugins;
+  bool resume = false;
+  std::filesystem::path out = "irt-out", json;
+  std::vector<std::string> given;  ///< the options that the user did set, by their long names
+};
+int compare(CompareOptions options, QueueRegistry& queues);
+
+/// `irt list`: every choice there is, a line each.
+int list(const QueueRegistry& queues);
+
+/// `irt overhead`: what measuring costs, and what the type-erased face of a queue costs.
+struct OverheadOptions {
+  WorkloadOptions workload;
+  unsigned threads = 0;  ///< 0: as many as the machine has
+  unsigned frames = 30;
+  std::filesystem::path json;
+};
+int overhead(OverheadOptions options);
+
+/// `threads`, or as many as the machine has where it is 0. Throws UsageError above `max_threads`.
+unsigned settle_threads(unsigned threads);
+
+}  // namespace irt

@@ -1,0 +1,35 @@
+#include <fmt/format.h>
+
+#include "bench/frames/commands.hpp"
+#include "renderer/scene/scenes.hpp"
+
+namespace irt {
+namespace {
+
+template <class Entries>
+void section(std::string_view title, std::string_view option, const Entries& entries) {
+  fmt::print("{} ({})\n", title, option);
+  for (const auto& entry : entries) fmt::print("  {:<18}{}\n", entry.name, entry.summary);
+  fmt::print("\n");
+}
+
+struct TaskSystem {
+  std::string_view name, summary;
+};
+
+}  // namespace
+
+int list(const QueueRegistry& queues) {
+  section("Queues", "--queue", queues.entries());
+  section("Scenes", "--scene, or a file", built_in_scenes());
+  section("BVHs", "--bvh", accelerators());
+  section("Frame buffers", "--frame-buffer", frame_buffers());
+  section("Terminations", "--termination", terminations());
+  section("Shaders", "--shader", shaders());
+  section("Task systems", "no choice yet",
+          std::array{TaskSystem{"queue", "render threads that share a work queue (thesis 3.2)"}});
+  fmt::print("The first of each is the default.\n");
+  return 0;
+}
+
+}  // namespace irt

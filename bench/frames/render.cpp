@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+#include <thread>
+
+#include "bench/conditions/conditions.hpp"
+#include "bench/frames/commands.hpp"
+#include "bench/frames/files.hpp"
+#include "bench/frames/interrupt.hpp"
+#include "bench/frames/progress.hpp"
+#include "bench/frames/sample.hpp"
+#include "bench/frames/summary.hpp"
+#include "bench/frames/usage_error.hpp"
+
+namespace irt {
+
+unsigned settle_threads(unsigned threads) {
+  if (threads > max_threads) {
+    throw UsageError(fmt::format("--threads {}: must be from 1 to {}", threads, max_threads));
+  }
+  return threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+}
+
+int render(RenderOptions options, const QueueRegistry& queues) {
+  const QueueEntry& queue =
+      options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
+  const unsigned threads = settle_threads(options.threads);
+  check(options.workload);
+  for (const auto& file : {options.image, options.json, options.csv}) {
+    if (!file.empty()) require_writable(file);
+  }
+  const std::atomic<bool>& cancel = watch_for_interrupt();
+  Workload workload(options.workload);
+  const auto taken = conditions(options.workload.pin ? "one thread per core" : "none");
+
+  // Frame by frame, so that there is something to show on the way.
+  ProgressBar progress(options.frames, 0);
+  progress.show("rendering");
+  const SampleOptions sampling{.threads = threads,
+                               .warmup = options.warmup,
+                               .frames = options.frames,
+                               .measure = !options.plain};
+  const Sample sample = take_sample(workload, queue, sampling, cancel, [&](bool counted) {
+    if (counted) progress.step();
+    progress.show("rendering");
+  });
+  if (sample.seconds.empty()) return exit_interrupted;
+  const double traverse = options.plain ? 0 : traverse_share(workload, queue, threads, cancel);
+
+  const Background background{.workload = workload.options(),
+                              .triangles = workload.scene().mesh.triangles.size(),
+                              .warmup = options.warmup,
+                              .traverse_share = traverse,
+                              .conditions = taken};
+  const auto runs = summarise({&sample, 1}, background);
+  const auto& run = runs[0];
+  const auto number = [&](const char* name) { return run[name].get<double>(); };
+  const auto percent = [&](const char* name) { return 100 * run[name].get<double>(); };
+  if (options.json != "-" && options.csv != "-") {
+    fmt::print("{}\n", table(runs));
+    fmt::print(
+        "T.Exec        {:.2f} ms per frame: GenPrimRays {:.2f} %, RenderLoop {:.2f} %, "
+        "Output {:.2f} %\n",
+        1e3 * number("seconds_per_frame"), percent("share_generate"), percent("share_render_loop"),
+        percent("share_output"));
+    if (!options.plain) {
+      fmt::print(
+          "RenderLoop    Traverse {:.1f} %, Intersect {:.1f} %, Shade {:.1f} %, queue "
+          "{:.2f} %, waiting {:.1f} %; imbalance {:.2f}\n",
+          percent("share_traverse"), percent("share_intersect"), percent("share_shade"),
+          percent("share_queue"), percent("share_waiting"), number("imbalance"));
+    }
+    fmt::print("frame         {:.0f} rays in {:.0f} tasks, hash {}, threads {}\n",
+               number("rays_per_frame"), number("tasks_per_frame"), sample.image_hash,
+               sample.pinned ? "pinned" : "not pinned");
+  }
+  if (!options.image.empty()) write_png(options.image, workload.application().image());
+  if (!options.json.empty()) write_text(options.json, runs.dump(2) + '\n');
+  if (!options.csv.empty()) write_text(options.csv, csv(runs));
+  if (sample.lost + sample.doubled != 0 ||
+      (!sample.same_image && workload.options().frame_buffer == "fixed-point")) {
+    fmt::print(stderr,
+               "irt: the queue {} is broken: {} tasks lost, {} handed out twice, images {}\n",
+               queue.name, sample.lost, sample.doubled, sample.same_image ? "equal" : "differ");
+    return 1;
+  }
+  return cancel ? exit_interrupted : 0;
+}
+
+}  // namespace irt

@@ -1,0 +1,88 @@
+#include "bench/frames/sample.hpp"
+
+#include <fmt/format.h>
+#include <system_error>
+
+#include "bench/frames/usage_error.hpp"
+
+namespace irt {
+namespace {
+
+std::unique_ptr<Engine> start_engine(const EngineOptions& options, const QueueEntry& queue,
+                                     const Workload& workload) {
+  try {
+    return make_engine(options, queue, workload.accelerator());
+  } catch (const std::system_error& error) {
+    throw UsageError(fmt::format("--threads {}: the system does not start that many ({})",
+                                 options.threads, error.code().message()));
+  }
+}
+
+}  // namespace
+
+void Sample::add(const FrameStats& frame) {
+  constexpr double s_per_ns = 1e-9;
+  const auto in_s = [](std::uint64_t ns) { return static_cast<double>(ns) * s_per_ns; };
+  const WorkerStats total = frame.total();
+  seconds.push_back(frame.seconds());
+  generate_s += frame.generate_s;
+  render_s += frame.render_s;
+  output_s += frame.output_s;
+  barrier_s += in_s(total.barrier_ns);
+  idle_s += in_s(total.idle_ns);
+  trace_s += in_s(total.trace_ns);
+  shade_s += in_s(total.shade_ns);
+  get_s += in_s(total.get_ns);
+  add_s += in_s(total.add_ns);
+  imbalance += frame.imbalance();
+  rays += frame.rays();
+  tasks += total.tasks;
+  added += total.added;
+  failed_gets += total.failed_gets;
+  overflowed += total.overflowed;
+  lost += frame.lost;
+  doubled += frame.doubled;
+}
+
+Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOptions& options,
+                   const std::atomic<bool>& cancel, const std::function<void(bool)>& on_frame) {
+  EngineOptions engine_options = workload.engine_options(options.threads);
+  engine_options.measure = options.measure;
+  engine_options.cancel = &cancel;
+  const auto engine = start_engine(engine_options, queue, workload);
+  Sample sample;
+  sample.queue = queue.name;
+  sample.threads = options.threads;
+  sample.pinned = engine->pinned();
+  for (unsigned frame = 0; frame < options.warmup + options.frames && !cancel; ++frame) {
+    const FrameStats stats = engine->run(workload.application());
+    if (stats.cancelled) break;
+    // The hash is taken outside of the measured time.
+    const std::string hash = workload.image_hash();
+    if (!sample.image_hash.empty()) sample.same_image &= hash == sample.image_hash;
+    sample.image_hash = hash;
+    const bool counted = frame >= options.warmup;
+    if (counted) {
+      sample.add(stats);
+    } else {
+      sample.lost += stats.lost;
+      sample.doubled += stats.doubled;
+    }
+    if (on_frame) on_frame(counted);
+  }
+  return sample;
+}
+
+double traverse_share(Workload& workload, const QueueEntry& queue, unsigned threads,
+                      const std::atomic<bool>& cancel) {
+  EngineOptions options = workload.engine_options(threads);
+  options.profile_every = 8;
+  options.cancel = &cancel;
+  const auto engine = start_engine(options, queue, workload);
+  const TraceProfile profile = engine->run(workload.application()).total().profile;
+  const auto traverse = static_cast<double>(profile.traverse_ns);
+  const double all = traverse + static_cast<double>(profile.intersect_ns);
+  return all > 0 ? traverse / all : 0;
+}
+
+}  // namespace irt

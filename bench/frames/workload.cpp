@@ -1,0 +1,102 @@
+#include "bench/frames/workload.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <vector>
+
+#include "bench/conditions/system.hpp"
+#include "bench/frames/usage_error.hpp"
+#include "queues/nearest.hpp"
+#include "renderer/scene/scenes.hpp"
+
+namespace irt {
+namespace {
+
+// The entry called `name`; the first one if `name` is empty, which is then filled in.
+template <class Entry>
+const Entry& entry_of(std::span<const Entry> entries, std::string& name, std::string_view kind) {
+  if (name.empty()) name = entries.front().name;
+  const auto found = std::ranges::find(entries, name, &Entry::name);
+  if (found != entries.end()) return *found;
+  std::vector<std::string_view> names;
+  for (const Entry& entry : entries) names.push_back(entry.name);
+  throw UsageError(unknown_name(kind, name, names));
+}
+
+void check_range(std::string_view option, std::uint64_t value, std::uint64_t least,
+                 std::uint64_t most) {
+  if (value >= least && value <= most) return;
+  throw UsageError(fmt::format("{} {}: must be from {} to {}", option, value, least, most));
+}
+
+// Breadth first, as a fair queue goes about it, a frame may hold the shadow rays of all primary
+// rays at once. 4 lights are assumed; they are not known before the scene is loaded.
+double bytes_needed(const WorkloadOptions& options) {
+  constexpr double tasks_at_once = 1 + 4 + 1;
+  constexpr double arrays = 11, overhead_per_task = 512;
+  const double pixels = static_cast<double>(options.width) * options.height;
+  const double lanes = std::max(options.task_size, 16u);
+  const double task = lanes * arrays * 4 + overhead_per_task;
+  return pixels / options.task_size * task * tasks_at_once + pixels * 32;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
+void check(WorkloadOptions& options) {
+  check_range("--task-size", options.task_size, 1, 65'536);
+  check_range("--depth", options.depth, 0, 64);
+  check_range("--size: a width of", options.width, 1, 65'535);
+  check_range("--size: a height of", options.height, 1, 65'535);
+  entry_of(accelerators(), options.bvh, "BVH");
+  entry_of(frame_buffers(), options.frame_buffer, "frame buffer");
+  entry_of(terminations(), options.termination, "termination");
+  entry_of(shaders(), options.shader, "shader");
+  if (options.scene.empty()) options.scene = built_in_scenes().front().name;
+
+  const double needed = bytes_needed(options);
+  const auto memory = static_cast<double>(survey_system().memory_bytes);
+  if (needed > memory / 2) {
+    throw UsageError(fmt::format(
+        "--size {}x{} with --task-size {}: needs about {:.1f} GB, more than half of the {:.1f} GB "
+        "of this machine; use a smaller picture or larger tasks",
+        options.width, options.height, options.task_size, needed / 1e9, memory / 1e9));
+  }
+}
+
+Workload::Workload(const WorkloadOptions& options) : options_(options) {
+  const auto begin = std::chrono::steady_clock::now();
+  scene_ = load_scene(options_.scene);
+  load_s_ = seconds_since(begin);
+  const auto loaded = std::chrono::steady_clock::now();
+  accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh);
+  build_s_ = seconds_since(loaded);
+  frame_ = entry_of(frame_buffers(), options_.frame_buffer, "frame buffer")
+               .make(options_.width, options_.height);
+  shader_ = entry_of(shaders(), options_.shader, "shader")
+                .make(scene_, *frame_, {.max_depth = options_.depth});
+  try {
+    application_ =
+        std::make_unique<ImageRendering>(scene_.camera, *frame_, *shader_, options_.task_size);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+EngineOptions Workload::engine_options(unsigned threads) const {
+  std::string name = options_.termination;
+  return {.threads = threads,
+          .rays_per_task = options_.task_size,
+          .termination = entry_of(terminations(), name, "termination").policy,
+          .pin = options_.pin};
+}
+
+std::string Workload::image_hash() const {
+  return fmt::format("{:016x}", frame_->hash());
+}
+
+}  // namespace irt

@@ -1,0 +1,65 @@
+/// What is rendered and how: everything of a measurement but the queue and the threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "renderer/bvh/accelerator.hpp"
+#include "renderer/engine/engine.hpp"
+#include "renderer/frame_buffer/frame_buffer.hpp"
+#include "renderer/scene/scene.hpp"
+#include "renderer/shading/image.hpp"
+#include "renderer/shading/shader.hpp"
+
+namespace irt {
+
+/// As given on the command line; the defaults are the thesis' (chapter 4).
+struct WorkloadOptions {
+  std::string scene, bvh, frame_buffer, termination, shader;  ///< empty: the default
+  std::uint32_t task_size = 256;                              ///< packets per task
+  std::uint32_t width = 300, height = 300;                    ///< pixels
+  std::uint32_t depth = 4;                                    ///< bounces
+  bool pin = false;
+};
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, frame_buffer, termination, shader,
+                                   task_size, width, height, depth, pin)
+
+/// Puts the names of the defaults where nothing was given. Throws UsageError where a name is
+/// unknown, a number is out of range, or the frame would need more memory than half of what this
+/// machine has.
+void check(WorkloadOptions& options);
+
+/// A scene with its structure, ready to be rendered by any engine.
+class Workload {
+ public:
+  /// Loads and builds. `options` were checked. Throws UsageError, SceneError.
+  explicit Workload(const WorkloadOptions& options);
+
+  /// Options of an engine for this workload, but for its threads.
+  EngineOptions engine_options(unsigned threads) const;
+
+  const WorkloadOptions& options() const { return options_; }
+  const Scene& scene() const { return scene_; }
+  const Accelerator& accelerator() const { return *accelerator_; }
+  const FrameBuffer& frame() const { return *frame_; }
+  ImageRendering& application() { return *application_; }
+  double load_s() const { return load_s_; }    ///< to read or make the scene
+  double build_s() const { return build_s_; }  ///< to build the structure
+
+  /// The hash of the last frame, as 16 hexadecimal digits.
+  std::string image_hash() const;
+
+ private:
+  WorkloadOptions options_;
+  double load_s_ = 0, build_s_ = 0;
+  Scene scene_;
+  std::unique_ptr<Accelerator> accelerator_;
+  std::unique_ptr<FrameBuffer> frame_;
+  std::unique_ptr<Shader> shader_;
+  std::unique_ptr<ImageRendering> application_;
+};
+
+}  // namespace irt

@@ -1,0 +1,79 @@
+#include "bench/frames/summary.hpp"
+
+#include <gtest/gtest.h>
+
+namespace irt {
+namespace {
+
+Sample sample(const std::string& queue, unsigned threads, std::vector<double> seconds) {
+  Sample one;
+  one.queue = queue;
+  one.threads = threads;
+  one.seconds = std::move(seconds);
+  const auto frames = static_cast<double>(one.seconds.size());
+  one.generate_s = 0.1 * frames;
+  one.render_s = 0.8 * frames;
+  one.output_s = 0.1 * frames;
+  one.trace_s = 0.4 * frames * threads;
+  one.shade_s = 0.2 * frames * threads;
+  one.barrier_s = 0.004 * frames * threads;
+  one.get_s = 1e-6 * frames;
+  one.tasks = 100 * one.seconds.size();
+  one.rays = 1000 * one.seconds.size();
+  one.imbalance = frames;
+  one.image_hash = "f";
+  return one;
+}
+
+TEST(Quantile, Interpolates) {
+  EXPECT_DOUBLE_EQ(quantile({3, 1, 2}, 0.5), 2);
+  EXPECT_DOUBLE_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile({1, 2, 3, 4, 5}, 0.25), 2);
+  EXPECT_DOUBLE_EQ(quantile({7}, 0.75), 7);
+}
+
+TEST(Summary, FiguresAreThoseOfTheThesis) {
+  const std::vector<Sample> samples{sample("lock", 1, {1.0, 1.0}), sample("lock", 2, {0.5}),
+                                    sample("local", 1, {2.0}), sample("lock", 1, {0.5, 1.0}),
+                                    sample("local", 2, {})};
+  Background background;
+  background.triangles = 12;
+  background.traverse_share = 0.75;
+  const auto runs = summarise(samples, background);
+  ASSERT_EQ(runs.size(), 3u);  // without the empty one
+  const auto& one = runs[0];
+  EXPECT_EQ(one["queue"], "lock");
+  EXPECT_EQ(one["repetitions"], 2);
+  EXPECT_EQ(one["frames"], 4);
+  EXPECT_EQ(one["triangles"], 12);
+  EXPECT_DOUBLE_EQ(one["fps"].get<double>(), 1);
+  EXPECT_DOUBLE_EQ(one["rays_per_frame"].get<double>(), 1000);
+  EXPECT_DOUBLE_EQ(one["rays_per_second"].get<double>(), 1000);
+  EXPECT_DOUBLE_EQ(one["share_render_loop"].get<double>(), 0.8);
+  EXPECT_NEAR(one["share_traverse"].get<double>(), 0.375, 1e-12);
+  EXPECT_NEAR(one["share_intersect"].get<double>(), 0.125, 1e-12);
+  EXPECT_NEAR(one["share_shade"].get<double>(), 0.25, 1e-12);
+  EXPECT_NEAR(one["get_ns"].get<double>(), 10, 1e-9);
+  EXPECT_NEAR(one["barrier_wait_ms"].get<double>(), 4, 1e-9);
+  EXPECT_DOUBLE_EQ(runs[1]["speed_up"].get<double>(), 2);
+  EXPECT_DOUBLE_EQ(runs[2]["speed_up"].get<double>(), 0.5);
+  EXPECT_TRUE(summarise(std::span(&samples[1], 1), background)[0]["speed_up"].is_null());
+}
+
+TEST(Summary, ADifferentHashInOneRepetitionIsSeen) {
+  std::vector<Sample> samples{sample("lock", 1, {1.0}), sample("lock", 1, {1.0})};
+  EXPECT_TRUE(summarise(samples, {})[0]["same_image"].get<bool>());
+  samples[1].image_hash = "e";
+  EXPECT_FALSE(summarise(samples, {})[0]["same_image"].get<bool>());
+}
+
+TEST(Summary, CsvHasALineOfNamesAndALinePerRun) {
+  const auto text = csv(summarise(std::vector{sample("lock", 1, {1.0})}, {}));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 2);
+  const auto names = text.substr(0, text.find('\n'));
+  EXPECT_EQ(std::ranges::count(text, ','), 2 * std::ranges::count(names, ','));
+  EXPECT_EQ(names.find("conditions"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace irt

@@ -1,0 +1,292 @@
+// The tool as a user runs it: exit codes, one clear line, interruption.
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+#include "tests/bench/frames/temporary.hpp"
+
+namespace irt {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+nlohmann::json json_of(const std::filesystem::path& file) {
+  return nlohmann::json::parse(contents(file));
+}
+
+/// A running `irt-frames`.
+class Tool {
+ public:
+  explicit Tool(Arguments arguments) {
+    arguments.insert(arguments.begin(), IRT_FRAMES);
+    child_ = fork();
+    if (child_ != 0) return;
+    std::vector<char*> words;
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    if (std::freopen((directory_ / "out").c_str(), "w", stdout) == nullptr ||
+        std::freopen((directory_ / "err").c_str(), "w", stderr) == nullptr) {
+      _exit(99);
+    }
+    execv(IRT_FRAMES, words.data());
+    _exit(99);
+  }
+  void signal(int number) const { kill(child_, number); }
+
+  /// Its exit code; 1000 more than the signal that ended it.
+  int wait() {
+    int status = 0;
+    waitpid(child_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  std::string out() const { return contents(directory_ / "out"); }
+  std::string err() const { return contents(directory_ / "err"); }
+
+ private:
+  TemporaryDirectory directory_;
+  pid_t child_ = 0;
+};
+
+void expect_one_line(Arguments arguments, const std::string& part) {
+  std::string command;
+  for (const std::string& argument : arguments) command += " " + argument;
+  SCOPED_TRACE(command);
+  Tool tool(std::move(arguments));
+  EXPECT_EQ(tool.wait(), 2);
+  const std::string said = tool.err();
+  EXPECT_EQ(std::ranges::count(said, '\n'), 1) << said;
+  EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(tool.out(), "");
+}
+
+const Arguments quick{"--scene", "office", "--size", "32x32", "--frames", "2"};
+
+Arguments render(const Arguments& more) {
+  Arguments all{"render"};
+  all.insert(all.end(), quick.begin(), quick.end());
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
+  expect_one_line({"render", "--queue", "lokc"}, "lock");
+  expect_one_line({"render", "--bvh", "goncalvez"}, "goncalves");
+  expect_one_line({"render", "--frame-buffer", "fixedpoint"}, "fixed-point");
+  expect_one_line({"render", "--termination", "leave-when-emtpy"}, "leave-when-empty");
+  expect_one_line({"render", "--scene", "offise"}, "office");
+  expect_one_line({"render", "--threads", "0"}, "from 1 to 1024");
+  expect_one_line({"render", "--threads", "100000"}, "from 1 to 1024");
+  expect_one_line({"render", "--threads", "-1"}, "--threads");
+  expect_one_line({"render", "--threads", "two"}, "--threads");
+  expect_one_line({"render", "--size", "0x0"}, "width");
+  expect_one_line({"render", "--size", "1000000x1000000"}, "width");
+  expect_one_line({"render", "--size", "60000x60000"}, "GB");
+  expect_one_line({"render", "--size", "99999999999999999999x1"}, "--size");
+  expect_one_line({"render", "--size", "300"}, "300x300");
+  expect_one_line({"render", "--size", "-3x4"}, "--size");
+  expect_one_line({"render", "--task-size", "0"}, "from 1 to");
+  expect_one_line({"render", "--task-size", "4000000000"}, "from 1 to");
+  expect_one_line({"render", "--depth", "65"}, "from 0 to 64");
+  expect_one_line({"render", "--frames", "0"}, "--frames");
+  expect_one_line({"render", "--nonsense"}, "--nonsense");
+  expect_one_line({"render", "--plugin", "/no/such.so"}, "/no/such.so");
+  expect_one_line({"render", "--plugin", IRT_FRAMES}, IRT_FRAMES);
+  expect_one_line({"compare", "--threads", "1,0"}, "from 1 to 1024");
+  expect_one_line({"compare", "--queue", "lock,lokal"}, "local");
+  expect_one_line({"compare", "--resume", "--out", "/no/such/place"}, "--resume");
+}
+
+TEST(Tool, OutputThatCannotBeWrittenIsRefusedBeforeMeasuring) {
+  const TemporaryDirectory directory;
+  std::ofstream(directory / "file") << "x";
+  for (const char* option : {"--image", "--json", "--csv"}) {
+    expect_one_line(render({option, "/proc/irt.out", "--warmup", "1000000"}), "/proc/irt.out");
+    expect_one_line(render({option, "/proc", "--warmup", "1000000"}), "/proc");
+  }
+  const std::string below_a_file = directory / "file/out";
+  expect_one_line({"compare", "--out", below_a_file}, below_a_file);
+}
+
+TEST(Tool, AFullDiskIsAnErrorButTheFiguresAreShown) {
+  Tool tool(render({"--json", "/dev/full"}));
+  EXPECT_EQ(tool.wait(), 2);
+  EXPECT_NE(tool.out().find("T.Exec"), std::string::npos);
+  EXPECT_NE(tool.err().find("/dev/full"), std::string::npos);
+}
+
+TEST(Tool, RenderWritesEverythingAsked) {
+  const TemporaryDirectory directory;
+  Tool tool(render({"--queue", "local", "--threads", "3", "--image", directory / "deep/a.png",
+                    "--json", directory / "a.json", "--csv", directory / "a.csv"}));
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  EXPECT_EQ(contents(directory / "deep/a.png").substr(1, 3), "PNG");
+  EXPECT_EQ(contents(directory / "a.csv").substr(0, 6), "scene,");
+  const auto run = json_of(directory / "a.json").at(0);
+  const std::set<std::string> promised{
+      "scene",           "triangles", "queue",      "threads",   "bvh",    "frame_buffer",
+      "termination",     "width",     "height",     "task_size", "frames", "fps",
+      "rays_per_second", "depth",     "image_hash", "conditions"};
+  for (const std::string& name : promised) EXPECT_TRUE(run.contains(name)) << name;
+  EXPECT_EQ(run["queue"], "local");
+  EXPECT_EQ(run["threads"], 3);
+  EXPECT_EQ(run["triangles"], 20'769);
+  EXPECT_EQ(run["frames"], 2);
+  EXPECT_EQ(run["image_hash"].get<std::string>().size(), 16u);
+  EXPECT_EQ(run["lost_tasks"], 0);
+  for (const char* name : {"cpu", "compiler", "flags", "commit", "pinning"}) {
+    EXPECT_TRUE(run["conditions"].contains(name)) << name;
+  }
+}
+
+TEST(Tool, JsonOnStandardOutputIsAllThatIsThere) {
+  Tool tool(render({"--json", "-", "--plain"}));
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  EXPECT_EQ(nlohmann::json::parse(tool.out()).size(), 1u);
+}
+
+TEST(Tool, EveryChoiceOfTheListCanBeRendered) {
+  Tool tool({"list"});
+  EXPECT_EQ(tool.wait(), 0);
+  std::set<std::string> hashes;
+  std::istringstream lines(tool.out());
+  std::string line, option;
+  int choices = 0;
+  while (std::getline(lines, line)) {
+    if (const auto at = line.find("(--"); at != std::string::npos) {
+      option = line.substr(at + 1, line.find_first_of(",)", at) - at - 1);
+    } else if (line.starts_with("  ") && !option.empty()) {
+      const std::string name = line.substr(2, line.find(' ', 2) - 2);
+      if (option == "--scene") continue;  // the other tests
+      const TemporaryDirectory directory;
+      Tool one({"render", "--scene", "office", "--size", "24x24", "--frames", "1", "--warmup", "0",
+                "--json", directory / "a.json", option, name});
+      EXPECT_EQ(one.wait(), 0) << option << " " << name << ": " << one.err();
+      const auto run = json_of(directory / "a.json").at(0);
+      if (option != "--frame-buffer") hashes.insert(run["image_hash"].get<std::string>());
+      ++choices;
+    } else {
+      option.clear();
+    }
+  }
+  EXPECT_GE(choices, 12);
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+struct CompareTest : testing::Test {
+  TemporaryDirectory directory;
+  std::filesystem::path out = directory / "out";
+  Arguments plan{"compare",   "--scene",  "office",  "--size",         "48x48",
+                 "--threads", "1,2",      "--queue", "lock,local,tbb", "--repetitions",
+                 "4",         "--frames", "2",       "--out",          out};
+
+  static Arguments with(Arguments arguments, const Arguments& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  std::size_t lines() const {
+    const std::string text = contents(out / "runs.jsonl");
+    return static_cast<std::size_t>(std::ranges::count(text, '\n'));
+  }
+  void wait_for_lines(std::size_t count) const {
+    for (int i = 0; i < 3000 && lines() < count; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  // Three queues with two numbers of threads each, eight frames each, and no sample twice.
+  void expect_complete() const {
+    EXPECT_EQ(lines(), 1u + 3 * 2 * 4);
+    const auto runs = json_of(out / "compare.json");
+    EXPECT_EQ(runs.size(), 6u);
+    std::set<std::string> hashes;
+    for (const auto& run : runs) {
+      EXPECT_EQ(run["frames"], 8);
+      EXPECT_EQ(run["repetitions"], 4);
+      hashes.insert(run["image_hash"].get<std::string>());
+    }
+    EXPECT_EQ(hashes.size(), 1u);
+    EXPECT_TRUE(std::filesystem::exists(out / "frame.png"));
+    EXPECT_TRUE(std::filesystem::exists(out / "compare.csv"));
+  }
+};
+
+TEST_F(CompareTest, RunsThroughAndAResumeAddsNothing) {
+  Tool tool(plan);
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  expect_complete();
+  EXPECT_NE(tool.out().find("lock "), std::string::npos);
+  Tool again({"compare", "--resume", "--out", out});
+  EXPECT_EQ(again.wait(), 0) << again.err();
+  expect_complete();
+}
+
+TEST_F(CompareTest, AnInterruptEndsCleanlyAndResumeGoesOn) {
+  Tool tool(with(plan, {"--warmup", "8"}));
+  wait_for_lines(4);
+  tool.signal(SIGINT);
+  EXPECT_EQ(tool.wait(), 130);
+  EXPECT_NE(tool.err().find("--resume"), std::string::npos);
+  const std::size_t measured = lines();
+  EXPECT_GE(measured, 4u);
+  ASSERT_LT(measured, 25u);
+  EXPECT_GE(json_of(out / "compare.json").size(), 1u);
+
+  Tool other(with(plan, {"--resume", "--task-size", "64"}));
+  EXPECT_EQ(other.wait(), 2);
+  EXPECT_NE(other.err().find("task_size: 256 before, 64 now"), std::string::npos) << other.err();
+  Tool smaller(with({"compare", "--resume", "--out", out}, {"--size", "40x48"}));
+  EXPECT_EQ(smaller.wait(), 2);
+  EXPECT_EQ(lines(), measured);
+
+  Tool rest({"compare", "--resume", "--out", out});
+  EXPECT_EQ(rest.wait(), 0) << rest.err();
+  expect_complete();
+}
+
+TEST_F(CompareTest, AKilledRunCanBeResumedDespiteATornLine) {
+  Tool tool(with(plan, {"--warmup", "8"}));
+  wait_for_lines(3);
+  tool.signal(SIGKILL);
+  EXPECT_EQ(tool.wait(), 1000 + SIGKILL);
+  std::ofstream(out / "runs.jsonl", std::ios::app) << "{\"queue\":\"lo";
+  Tool rest({"compare", "--resume", "--out", out});
+  EXPECT_EQ(rest.wait(), 0) << rest.err();
+  expect_complete();
+}
+
+TEST_F(CompareTest, OtherConditionsAreNotMixedIn) {
+  Tool tool(plan);
+  ASSERT_EQ(tool.wait(), 0) << tool.err();
+  std::string text = contents(out / "runs.jsonl");
+  const std::string key = "\"compiler\":\"";
+  text.insert(text.find(key) + key.size(), "another ");
+  std::ofstream(out / "runs.jsonl") << text;
+  expect_one_line({"compare", "--resume", "--out", out}, "compiler");
+}
+
+TEST(Tool, TooManyThreadsForTheSystemIsOneLine) {
+  // A limit on address space stands for a system that refuses threads; each wants 8 MB of stack.
+  rlimit before{};
+  getrlimit(RLIMIT_AS, &before);
+  const rlimit tight{3'000'000'000, before.rlim_max};
+  setrlimit(RLIMIT_AS, &tight);
+  Tool tool(render({"--threads", "1024"}));
+  setrlimit(RLIMIT_AS, &before);
+  EXPECT_EQ(tool.wait(), 2);
+  EXPECT_EQ(std::ranges::count(tool.err(), '\n'), 1) << tool.err();
+}
+
+}  // namespace
+}  // namespace irt
