@@ -134,13 +134,14 @@ Wide::Wide(const Mesh& mesh) {
 Wide::Wide(const Mesh& mesh, Executor& executor, const WideOptions& options)
     : bvh_(build_wide(mesh, executor)), options_(options) {}
 
-void Wide::closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const {
-  HWY_DYNAMIC_DISPATCH(closest)(bvh_, rays, options_, hits, profile);
+void Wide::closest_hit(const Rays& rays, Hits& hits, const WideOptions& options,
+                       TraceProfile* profile) const {
+  HWY_DYNAMIC_DISPATCH(closest)(bvh_, rays, options, hits, profile);
 }
 
-void Wide::any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
+void Wide::any_hit(const Rays& rays, std::span<std::uint8_t> occluded, const WideOptions& options,
                    TraceProfile* profile) const {
-  HWY_DYNAMIC_DISPATCH(any)(bvh_, rays, options_, occluded.data(), profile);
+  HWY_DYNAMIC_DISPATCH(any)(bvh_, rays, options, occluded.data(), profile);
 }
 
 }  // namespace irt

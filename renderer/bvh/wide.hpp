@@ -37,14 +37,23 @@ class Wide final : public Accelerator {
   /// Builds on `executor`, which is not needed any longer afterwards.
   Wide(const Mesh& mesh, Executor& executor, const WideOptions& options = {});
 
-  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile = nullptr) const override;
+  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile = nullptr) const override {
+    closest_hit(rays, hits, options_, profile);
+  }
   void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
-               TraceProfile* profile = nullptr) const override;
+               TraceProfile* profile = nullptr) const override {
+    any_hit(rays, occluded, options_, profile);
+  }
+
+  /// The same with other options than those it was built with.
+  void closest_hit(const Rays& rays, Hits& hits, const WideOptions& options,
+                   TraceProfile* profile = nullptr) const;
+  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded, const WideOptions& options,
+               TraceProfile* profile = nullptr) const;
+
   std::size_t memory_bytes() const override { return bvh_.memory_bytes(); }
 
   const WideBvh& bvh() const { return bvh_; }
-
-  void set_options(const WideOptions& options) { options_ = options; }
 
  private:
   WideBvh bvh_;

@@ -1,0 +1,14 @@
+// Stands in for embree.cpp where the library is missing.
+#include "bench/tracer/contestant.hpp"
+
+namespace irt::bench {
+
+Contestants embree_contestants(const Mesh& /*mesh*/, std::span<const std::string> /*wanted*/) {
+  return {};
+}
+
+std::vector<TimedBuild> time_embree_builds(const Mesh& /*mesh*/, unsigned /*threads*/) {
+  return {};
+}
+
+}  // namespace irt::bench

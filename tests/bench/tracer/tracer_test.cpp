@@ -1,0 +1,106 @@
+/// The tracer bench measures what it says: the same rays, answered alike by everybody.
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "bench/tracer/frame.hpp"
+#include "bench/tracer/measurement.hpp"
+#include "bench/tracer/scene_rays.hpp"
+#include "renderer/scene/scenes.hpp"
+
+namespace irt::bench {
+namespace {
+
+const std::vector<std::string> everything{"all"};
+
+Contestants all_contestants(const Mesh& mesh) {
+  Contestants contestants = our_contestants(mesh, everything);
+  for (auto& one : embree_contestants(mesh, everything)) contestants.push_back(std::move(one));
+  return contestants;
+}
+
+TEST(TracerBench, NamesAreKnown) {
+  const Scene scene = load_scene("office");
+  const Contestants contestants = all_contestants(scene.mesh);
+  const bool has_embree = !contestants.back()->is_ours();
+  for (const std::string_view name : usual_contestants()) {
+    if (!has_embree && name.starts_with("embree")) continue;
+    EXPECT_TRUE(std::any_of(contestants.begin(), contestants.end(), [&](const auto& one) {
+      return one->name() == name;
+    })) << name;
+  }
+}
+
+TEST(TracerBench, EverybodyAnswersAlike) {
+  const Scene scene = load_scene("office");
+  const Contestants contestants = all_contestants(scene.mesh);
+  ThreadExecutor executor(2);
+  for (const RayKind kind : {RayKind::primary, RayKind::shadow, RayKind::specular}) {
+    const std::vector<Rays> batches = rays_of(scene, 90, kind, *contestants.front());
+    std::vector<Answers> reference, answers;
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+      reference.emplace_back(tile_rays);
+      answers.emplace_back(tile_rays);
+    }
+    trace_all(*contestants.front(), kind, batches, reference, executor);
+    for (const auto& contestant : contestants) {
+      trace_all(*contestant, kind, batches, answers, executor);
+      const Disagreement found = compare(kind, batches, reference, answers);
+      EXPECT_GE(found.rays, kind == RayKind::shadow ? 4u * 8000 : 8000u);
+      if (contestant->is_ours()) {
+        EXPECT_EQ(found.bits, 0u) << contestant->name();
+      } else {
+        EXPECT_LE(found.missed + found.elsewhere, 5u) << contestant->name();
+      }
+    }
+  }
+}
+
+TEST(TracerBench, FramesAreAlike) {
+  const Scene scene = load_scene("office");
+  const Contestants contestants = all_contestants(scene.mesh);
+  ThreadExecutor executor(2);
+  const std::vector<float> first = trace_frame(scene, 50, *contestants.front(), executor);
+  EXPECT_GT(*std::max_element(first.begin(), first.end()), 0.1f);
+  for (const auto& contestant : contestants) {
+    const std::vector<float> image = trace_frame(scene, 50, *contestant, executor);
+    int differing = 0;
+    for (std::size_t i = 0; i < image.size(); ++i)
+      differing += std::abs(image[i] - first[i]) > 1e-3f;
+    EXPECT_LE(differing, contestant->is_ours() ? 0 : 5) << contestant->name();
+  }
+}
+
+TEST(TracerBench, DisagreementIsCounted) {
+  std::vector<Rays> batches;
+  batches.emplace_back(tile_rays);
+  for (std::uint32_t i = 0; i < 5; ++i) batches[0].add({{}, {0, 0, 1}}, {}, 0);
+  std::vector<Answers> a, b;
+  a.emplace_back(tile_rays);
+  b.emplace_back(tile_rays);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    a[0].hits.triangle[i] = b[0].hits.triangle[i] = i;
+    a[0].hits.t[i] = b[0].hits.t[i] = 1;
+  }
+  b[0].hits.triangle[1] = no_triangle;  // missed
+  b[0].hits.triangle[2] = 9;            // coincident
+  b[0].hits.triangle[3] = 9;            // elsewhere
+  b[0].hits.t[3] = 1.1f;
+  b[0].hits.u[4] = 0.5f;  // other bits
+  const Disagreement found = compare(RayKind::primary, batches, a, b);
+  EXPECT_EQ(found.rays, 5u);
+  EXPECT_EQ(found.missed, 1u);
+  EXPECT_EQ(found.elsewhere, 1u);
+  EXPECT_EQ(found.bits, 4u);
+}
+
+TEST(TracerBench, BuildsAreTimed) {
+  const Scene scene = load_scene("office");
+  const TimedBuild ours = time_our_build(scene.mesh, 2);
+  EXPECT_GT(ours.milliseconds, 0);
+  EXPECT_GT(ours.sah_cost, 1);
+  for (const TimedBuild& build : time_embree_builds(scene.mesh, 1))
+    EXPECT_GT(build.milliseconds, 0);
+}
+
+}  // namespace
+}  // namespace irt::bench
