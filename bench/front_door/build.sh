@@ -34,10 +34,11 @@ configure() {
 
 ninja_options=()
 
-# build_target PRESET "TARGET..." PACKAGES... : from whatever state to up-to-date targets.
-build_target() {
-  local preset=$1 target=$2
-  shift 2
+# prepare_build PRESET PACKAGES... : from whatever state to a configured build, which this irt alone
+# uses until it closes build_lock.
+prepare_build() {
+  local preset=$1
+  shift
   mkdir -p -- "$logs"
   exec {build_lock}>"$here/build/lock-$preset"
   if ! flock -n "$build_lock"; then
@@ -46,6 +47,13 @@ build_target() {
   fi
   ensure_packages "$@"
   configure "$preset"
+}
+
+# build_target PRESET "TARGET..." PACKAGES... : from whatever state to up-to-date targets.
+build_target() {
+  local preset=$1 target=$2
+  shift 2
+  prepare_build "$preset" "$@"
   local log=$logs/build-$preset-${target// /-}.log
   if ! NINJA_STATUS='[%f/%t] ' run_step "Building ${target%% *}" "$log" \
     ninja -C "$here/build/$preset" -j "$(build_jobs)" "${ninja_options[@]}" $target; then

@@ -8,7 +8,7 @@ help_names_every_command() {
     irt "$command"
     expect_code 0
     local known
-    for known in compare render list doctor test lint help; do
+    for known in compare render list doctor new test lint help; do
       grep -qE "^  $known " "$work/out" || fail "$command does not name $known"
     done
   done
@@ -71,6 +71,23 @@ changed_source_is_rebuilt() {
   sed -i 's/in </changed </' "$project/bench/main.cpp"
   irt list
   expect_in out changed
+}
+
+new_starts_a_queue_and_overwrites_nothing() {
+  cp -r "$top/queues" "$project/queues"
+  cd "$work" || exit 1
+  irt new my-queue 'my folder'
+  expect_code 0
+  [[ -f 'my folder/my_queue.hpp' && -f 'my folder/CMakeLists.txt' ]] || fail "files are missing"
+  expect_in out "--plugin $work/my\\ folder/build/my-queue.so --queue my-queue"
+  irt new my-queue 'my folder'
+  expect_code 2
+  expect_in err "'my folder' is there already"
+  irt new MyQueue
+  expect_code 2
+  expect_in err "'MyQueue' is not a name"
+  irt new
+  expect_code 2
 }
 
 second_start_configures_nothing() {
