@@ -6,10 +6,10 @@
 /// once, for then most compare-and-swaps fail and are repeated.
 ///
 /// Ordering: FIFO in real time; *empty* is true at the moment `pop` reads `next`. Progress:
-/// lock-free, apart from the allocator. Memory: one node per task, from the allocator; nodes that have
-/// left wait for hazard pointers, see there for the bound. Unbounded. (A cache of nodes for each
-/// worker would save a quarter of the time of a lone push and pop, and hide a node freed too early
-/// from every tool that watches the allocator.)
+/// lock-free, apart from the allocator. Memory: one node per task, from the allocator; nodes that
+/// have left wait for hazard pointers, see there for the bound. Unbounded. (A cache of nodes for
+/// each worker would save a quarter of the time of a lone push and pop, and hide a node freed too
+/// early from every tool that watches the allocator.)
 ///
 /// How it works: a linked list behind a sentinel. A push links its node behind the last one and
 /// then moves `tail_`, or lets any other thread do it. A pop moves `head_` one node on; the node it
