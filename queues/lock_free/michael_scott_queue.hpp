@@ -5,7 +5,8 @@
 /// When to use: a stopped thread must not stop the others. When not: many cores push and pop at
 /// once, for then most compare-and-swaps fail and are repeated.
 ///
-/// Ordering: FIFO in real time; *empty* is true at the moment `pop` reads `next`. Progress:
+/// Ordering: FIFO by happens-before: `pop` may miss a push that has returned where nothing else
+/// orders the two calls. (With seq_cst at (2) and (3) it would be FIFO in real time.) Progress:
 /// lock-free, apart from the allocator. Memory: one node per task, from the allocator; nodes that
 /// have left wait for hazard pointers, see there for the bound. Unbounded. (A cache of nodes for
 /// each worker would save a quarter of the time of a lone push and pop, and hide a node freed too
@@ -17,9 +18,8 @@
 ///
 /// What differs from the listing, and why:
 /// - Nodes are retired, not deleted. The listing deletes the old sentinel although other threads
-/// may
-///   be about to read its `next`: use after free. And once its memory is a node again, a delayed
-///   compare-and-swap takes it for the old one (ABA) and cuts the list.
+///   may be about to read its `next`: use after free. And once its memory is a node again, a
+///   delayed compare-and-swap takes it for the old one (ABA) and cuts the list.
 /// - Each pointer is validated by `HazardPointers` where the listing re-reads `head` or `tail`.
 /// - *Empty* needs no look at `tail_`: while a sentinel has no `next`, `head_` cannot have left it.
 /// - All shared fields are atomic, with the weakest orders that do.
@@ -41,7 +41,7 @@ class MichaelScottQueue {
  public:
   static constexpr std::string_view summary =
       "LFREE (thesis 7.3): Michael and Scott's queue, hazard pointers";
-  static constexpr Claims claims{.ordering = Ordering::fifo_real_time,
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
                                  .reclamation = Reclamation::hazard_pointers};
@@ -75,9 +75,8 @@ class MichaelScottQueue {
         move_tail(last, next);
         continue;
       }
-      // (2) seq_cst: as a release it pairs with (1) and (3); and with the seq_cst load (3) it is
-      // what makes *empty* true in real time. relaxed on failure: nothing was read but a change
-      if (last->next.compare_exchange_strong(next, node, std::memory_order_seq_cst,
+      // (2) release: pairs with (1) and (3). relaxed on failure: nothing was read but a change
+      if (last->next.compare_exchange_strong(next, node, std::memory_order_release,
                                              std::memory_order_relaxed)) {
         move_tail(last, node);
         return true;
@@ -85,22 +84,23 @@ class MichaelScottQueue {
     }
   }
 
-  /// Takes the oldest task; false if there is none. Lock-free.
+  /// Takes the oldest task; false if it sees none. Lock-free.
   bool pop(unsigned worker, T& task) {
     for (;;) {
       Node* first = hazards_.protect(worker, 0, head_);
-      // (3) seq_cst: pairs with (2)
-      Node* next = first->next.load(std::memory_order_seq_cst);
+      // (3) acquire: pairs with (2), so that the task is read as written
+      Node* next = first->next.load(std::memory_order_acquire);
       if (next == nullptr) return false;
       if (!hazards_.publish(worker, 1, next, head_, first)) continue;
       // `tail_` must have left `first` before `head_` does, or a push would find a freed node.
-      // (4) acquire: pairs with (5), so that this happens before retire()
-      if (tail_.load(std::memory_order_acquire) == first) {
+      // relaxed: coherence forbids to read it further back than who moved `head_` to `first` did,
+      // and retire() asks for no more
+      if (tail_.load(std::memory_order_relaxed) == first) {
         move_tail(first, next);
         continue;
       }
       const T taken = next->task;
-      // (6) release: pairs with the load in protect() of hazard_pointers.hpp, so that whoever reads
+      // (4) release: pairs with the load in protect() of hazard_pointers.hpp, so that whoever reads
       // `next` there finds the node whole and `tail_` no further back than it is seen here.
       // relaxed on failure: nothing is read
       Node* expected = first;

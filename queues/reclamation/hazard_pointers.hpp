@@ -59,8 +59,9 @@ class HazardPointers {
   /// is safe to read until the slot is used again. Wait-free.
   bool publish(unsigned worker, std::size_t slot, Node* node, const std::atomic<Node*>& source,
                const Node* expected) {
-    // (1) seq_cst: the load below must not overtake this store. As a release it also ends the use
-    // of the slot's former node, and pairs with (2) in scan()
+    // (1) seq_cst: together with the load below pairs with (3) in scan(), so that either the scan
+    // finds the node here or the load finds `source` changed. As a release it also ends the use of
+    // the slot's former node, and pairs with (2)
     hazards_[worker].slot[slot].store(node, std::memory_order_seq_cst);
     return source.load(std::memory_order_seq_cst) == expected;
   }
@@ -75,8 +76,9 @@ class HazardPointers {
     }
   }
 
-  /// Frees `node` as soon as nobody protects it. Whatever made `node` unreachable must happen
-  /// before this call.
+  /// Frees `node` as soon as nobody protects it. Whatever made `node` unreachable must be this
+  /// thread's own doing, or a release whose effect it has read, be it relaxed: the fence that
+  /// begins a scan acquires it.
   void retire(unsigned worker, Node* node) {
     Retired& mine = retired_[worker];
     mine.nodes.push_back(node);
@@ -95,6 +97,8 @@ class HazardPointers {
   };
 
   void scan(Retired& mine) {
+    // (3) seq_cst: pairs with (1); what this thread unlinked, or saw unlinked, comes before the
+    // loads below
     fence();
     mine.hazards.clear();
     for (const Hazards& hazards : hazards_)
