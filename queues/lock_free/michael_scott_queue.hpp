@@ -120,8 +120,9 @@ class MichaelScottQueue {
   };
 
   void move_tail(Node* from, Node* to) {
-    // (5) release: pairs with (4) and with the load in protect() of hazard_pointers.hpp, so that
-    // `to` is whole for who reads it from `tail_`. relaxed on failure: another thread has done it
+    // (5) release: pairs with the load in protect() of hazard_pointers.hpp, so that `to` is whole
+    // for who reads it from `tail_`; and with the fence there, which is what retire() asks for.
+    // relaxed on failure: another thread has done it
     tail_.compare_exchange_strong(from, to, std::memory_order_release, std::memory_order_relaxed);
   }
 
