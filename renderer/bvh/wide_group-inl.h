@@ -138,16 +138,21 @@ class GroupTrace {
     unsigned changed = 0;
     for (std::uint32_t first = 0; first < child.count(); first += wide_block, ++block) {
       const BlockSeen seen(*block, bundle_.near_origin);
+      BlockBoxes boxes(*block);
       const std::uint32_t count = std::min<std::uint32_t>(wide_block, child.count() - first);
       for (std::uint32_t i = 0; i < count; ++i) {
+        const auto triangle = [&](const Vectors<D>& origin) HWY_ATTR {
+          return seen.template of<one_origin>(d, static_cast<int>(i), *block, origin);
+        };
+        // With one origin this is all there is to it.
+        const SeenFrom<D> shared = triangle(packets_[std::countr_zero(inside)].origin);
         for (unsigned left = inside; left != 0; left &= left - 1) {
           const int k = std::countr_zero(left);
           Packet<D>& packet = packets_[k];
-          const KernelHit<D> hit = moller_trumbore(
-              d, seen.template of<one_origin>(d, static_cast<int>(i), *block, packet.origin),
-              packet.direction);
+          const KernelHit<D> hit =
+              moller_trumbore(d, one_origin ? shared : triangle(packet.origin), packet.direction);
           if (hn::AllFalse(d, hit.met)) continue;
-          if (meet_lanes<any>(*block, static_cast<int>(i), hit, bundle_, packet)) {
+          if (meet_lanes<any>(boxes, static_cast<int>(i), hit, bundle_, packet)) {
             changed |= 1u << k;
           }
         }

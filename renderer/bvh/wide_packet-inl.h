@@ -161,22 +161,62 @@ class BlockSeen {
   alignas(64) float of_[13][wide_block];
 };
 
+/// irt::padded_bounds of a block's triangles. Computed when the first of them is met: most are not.
+class BlockBoxes {
+ public:
+  explicit BlockBoxes(const WideBlock& block) : block_(block) {}
+
+  const WideBlock& block() const { return block_; }
+
+  /// The corner of triangle `lane` on the given rows of WideNode::plane.
+  HWY_INLINE Vec3 corner(int lane, int row_x, int row_y, int row_z) {
+    if (!computed_) compute();
+    return {plane_[row_x][lane], plane_[row_y][lane], plane_[row_z][lane]};
+  }
+
+ private:
+  HWY_INLINE void compute() {
+    using D = hn::CappedTag<float, wide_block>;
+    using V = hn::Vec<D>;
+    const D d;
+    computed_ = true;
+    for (int i = 0; i < wide_block; i += static_cast<int>(hn::MaxLanes(d))) {
+      V low[3], high[3], largest = hn::Zero(d);
+      for (int axis = 0; axis < 3; ++axis) {
+        const V a = hn::Load(d, block_.corner[0][axis] + i);
+        const V b = hn::Load(d, block_.corner[1][axis] + i);
+        const V c = hn::Load(d, block_.corner[2][axis] + i);
+        low[axis] = hn::Min(hn::Min(a, b), c);
+        high[axis] = hn::Max(hn::Max(a, b), c);
+        largest = hn::Max(largest, hn::Max(hn::Neg(low[axis]), high[axis]));
+      }
+      const V pad = hn::Mul(largest, hn::Set(d, 0x1p-22f));
+      for (int axis = 0; axis < 3; ++axis) {
+        hn::Store(hn::Sub(low[axis], pad), d, plane_[axis] + i);
+        hn::Store(hn::Add(high[axis], pad), d, plane_[axis + 3] + i);
+      }
+    }
+  }
+
+  const WideBlock& block_;
+  alignas(16) float plane_[6][wide_block];
+  bool computed_ = false;
+};
+
 /// irt::meet per lane; whether any lane has a new hit.
 template <bool any, class D>
-HWY_INLINE bool meet_lanes(const WideBlock& block, int lane, const KernelHit<D>& hit,
+HWY_INLINE bool meet_lanes(BlockBoxes& boxes, int lane, const KernelHit<D>& hit,
                            const Bundle& bundle, Packet<D>& packet) {
   using V = hn::Vec<D>;
   const D d;
   const hn::Rebind<std::uint32_t, D> du;
-  const Box box = padded_bounds(triangle_of(block, lane));
-  Vec3 near = box.lo, far = box.hi;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (bundle.near_row[axis] >= 3) std::swap(near[axis], far[axis]);
-  }
-  const LaneSlab<D> own = lane_slab(d, packet.origin, packet.inverse, near, far);
+  const LaneSlab<D> own =
+      lane_slab(d, packet.origin, packet.inverse,
+                boxes.corner(lane, bundle.near_row[0], bundle.near_row[1], bundle.near_row[2]),
+                boxes.corner(lane, bundle.far_row(0), bundle.far_row(1), bundle.far_row(2)));
   const V t = hn::IfThenElse(hn::Lt(hit.t, own.entry), own.entry,
                              hn::IfThenElse(hn::Lt(hit.t, own.exit), hit.t, own.exit));
-  const auto index = hn::Set(du, block.index[lane]);
+  const auto index = hn::Set(du, boxes.block().index[lane]);
   const hn::Mask<D> lower = hn::RebindMask(d, hn::Lt(index, packet.triangle));
   const hn::Mask<D> nearer = hn::Or(hn::Lt(t, packet.t), hn::And(hn::Eq(t, packet.t), lower));
   const hn::Mask<D> reached =
@@ -287,12 +327,13 @@ class PacketTrace {
     bool changed = false;
     for (std::uint32_t first = 0; first < child.count(); first += wide_block, ++block) {
       const BlockSeen seen(*block, bundle_.near_origin);
+      BlockBoxes boxes(*block);
       const std::uint32_t count = std::min<std::uint32_t>(wide_block, child.count() - first);
       for (std::uint32_t i = 0; i < count; ++i) {
         const KernelHit<D> hit = moller_trumbore(
             d, seen.template of<one_origin>(d, static_cast<int>(i), *block, origin), direction);
         if (hn::AllFalse(d, hit.met)) continue;
-        changed |= meet_lanes<any>(*block, static_cast<int>(i), hit, bundle_, packet_);
+        changed |= meet_lanes<any>(boxes, static_cast<int>(i), hit, bundle_, packet_);
       }
     }
     if (changed) update_limit();
