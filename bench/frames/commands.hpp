@@ -38,16 +38,17 @@ struct CompareOptions {
   std::filesystem::path out = "irt-out", json;
   std::vector<std::string> given;  ///< the options that the user did set, by their long names
 };
-int compare(CompareOptions options, QueueRegistry& queues);
+int compare(const CompareOptions& options, QueueRegistry& queues);
 
 /// `irt list`: every choice there is, a line each.
 int list(const QueueRegistry& queues);
 
-/// `irt overhead`: what measuring costs, and what the type-erased face of a queue costs.
+/// `irt overhead`: what measuring costs, and what the type-erased face of a queue costs. In
+/// processor time, from pairs of frames rendered one after the other.
 struct OverheadOptions {
   WorkloadOptions workload;
-  unsigned threads = 0;  ///< 0: as many as the machine has
-  unsigned frames = 30;
+  unsigned threads = 1;
+  unsigned frames = 100;
   std::filesystem::path json;
 };
 int overhead(OverheadOptions options);

@@ -272,7 +272,7 @@ class Comparison {
 
 }  // namespace
 
-int compare(CompareOptions options, QueueRegistry& queues) {
+int compare(const CompareOptions& options, QueueRegistry& queues) {
   return Comparison(options, queues).run();
 }
 

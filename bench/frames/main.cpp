@@ -104,7 +104,8 @@ int run(int argc, char** argv) {
   CLI::App& overhead_command =
       *app.add_subcommand("overhead", "what measuring and type erasure cost");
   add_workload(overhead_command, measuring.workload, size);
-  overhead_command.add_option("--threads", measuring.threads, "render threads (default: all)");
+  overhead_command.add_option("--threads", measuring.threads, "render threads")
+      ->capture_default_str();
   overhead_command.add_option("--frames", measuring.frames, "frames of each variant")
       ->capture_default_str();
   overhead_command.add_option("--json", measuring.json, "write the figures as JSON");

@@ -20,6 +20,12 @@ std::unique_ptr<Engine> start_engine(const EngineOptions& options, const QueueEn
 
 }  // namespace
 
+void add_counts(std::vector<std::uint64_t>& sum, std::span<const std::uint64_t> counts) {
+  while (!counts.empty() && counts.back() == 0) counts = counts.first(counts.size() - 1);
+  if (sum.size() < counts.size()) sum.resize(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) sum[i] += counts[i];
+}
+
 void Sample::add(const FrameStats& frame) {
   constexpr double s_per_ns = 1e-9;
   const auto in_s = [](std::uint64_t ns) { return static_cast<double>(ns) * s_per_ns; };
@@ -42,6 +48,8 @@ void Sample::add(const FrameStats& frame) {
   overflowed += total.overflowed;
   lost += frame.lost;
   doubled += frame.doubled;
+  add_counts(gets, total.gets.counts);
+  add_counts(adds, total.adds.counts);
 }
 
 Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOptions& options,

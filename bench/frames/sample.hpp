@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct Sample {
   double imbalance = 0;  ///< sum over frames; see FrameStats
   std::uint64_t rays = 0, tasks = 0, added = 0, failed_gets = 0, overflowed = 0;
   std::uint64_t lost = 0, doubled = 0;
+  std::vector<std::uint64_t> gets, adds;  ///< see TimeHistogram, without the zeros at the end
   bool pinned = false;
   bool same_image = true;  ///< every frame had the same hash
   std::string image_hash;  ///< of the last frame
@@ -34,7 +36,7 @@ struct Sample {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, queue, threads, repetition, seconds, generate_s,
                                    render_s, output_s, barrier_s, idle_s, trace_s, shade_s, get_s,
                                    add_s, imbalance, rays, tasks, added, failed_gets, overflowed,
-                                   lost, doubled, pinned, same_image, image_hash)
+                                   lost, doubled, gets, adds, pinned, same_image, image_hash)
 
 struct SampleOptions {
   unsigned threads = 1;
@@ -42,6 +44,9 @@ struct SampleOptions {
   unsigned frames = 1;
   bool measure = true;  ///< see EngineOptions
 };
+
+/// Adds `counts` to `sum`, which grows as far as there are counts.
+void add_counts(std::vector<std::uint64_t>& sum, std::span<const std::uint64_t> counts);
 
 /// Renders with a new engine. If `cancel` becomes true the frames finished so far are returned,
 /// perhaps none. After each frame `on_frame` hears whether it counts. Throws UsageError if the

@@ -37,6 +37,8 @@ std::vector<Group> group(std::span<const Sample> samples) {
           &Sample::lost, &Sample::doubled}) {
       sum.*field += sample.*field;
     }
+    add_counts(sum.gets, sample.gets);
+    add_counts(sum.adds, sample.adds);
     sum.same_image &= sample.same_image && sample.image_hash == sum.image_hash;
     ++found->repetitions;
   }
@@ -48,6 +50,12 @@ double per(double sum, double count) {
   return count > 0 ? sum / count : 0;
 }
 
+TimeHistogram histogram(const std::vector<std::uint64_t>& counts) {
+  TimeHistogram times;
+  std::copy_n(counts.begin(), std::min(counts.size(), times.counts.size()), times.counts.begin());
+  return times;
+}
+
 Json run_of(const Group& group, const Background& background, double one_thread_fps) {
   const Sample& sum = group.sum;
   const WorkloadOptions& options = background.workload;
@@ -56,6 +64,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const double all_s = sum.generate_s + sum.render_s + sum.output_s;
   const double threads_s = sum.render_s * sum.threads;
   const double rays_per_frame = per(static_cast<double>(sum.rays), frames);
+  const TimeHistogram gets = histogram(sum.gets), adds = histogram(sum.adds);
   const auto share = [](double part, double whole) { return per(part, whole); };
   return {
       {"scene", options.scene},
@@ -82,8 +91,12 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"rays_per_second", rays_per_frame * fps},
       {"speed_up", one_thread_fps > 0 ? Json(fps / one_thread_fps) : Json()},
       {"tasks_per_frame", per(static_cast<double>(sum.tasks), frames)},
-      {"get_ns", per(sum.get_s * 1e9, static_cast<double>(sum.tasks))},
-      {"add_ns", per(sum.add_s * 1e9, static_cast<double>(sum.added))},
+      {"get_ns", gets.quantile(0.5)},
+      {"get_ns_p99", gets.quantile(0.99)},
+      {"get_ns_mean", per(sum.get_s * 1e9, static_cast<double>(sum.tasks))},
+      {"add_ns", adds.quantile(0.5)},
+      {"add_ns_p99", adds.quantile(0.99)},
+      {"add_ns_mean", per(sum.add_s * 1e9, static_cast<double>(sum.added))},
       {"failed_gets_per_frame", per(static_cast<double>(sum.failed_gets), frames)},
       {"overflowed_per_frame", per(static_cast<double>(sum.overflowed), frames)},
       {"barrier_wait_ms", per(sum.barrier_s * 1e3, frames * sum.threads)},

@@ -21,7 +21,9 @@ struct Background {
 
 /// One object per queue and number of threads, in the order of their first samples. Speeds are
 /// medians over all frames, with quartiles; `speed_up` is against the fastest run with one thread
-/// and null without one. Times of the queue are per task, with the cost of the clock taken off.
+/// and null without one. Times of the
+/// queue are per task, in medians, 99th percentiles and means, with the cost of the clock taken
+/// off.
 nlohmann::ordered_json summarise(std::span<const Sample> samples, const Background& background);
 
 /// The table that people read: one line per run.

@@ -98,6 +98,8 @@ WorkerStats& WorkerStats::operator+=(const WorkerStats& other) {
   barrier_ns += other.barrier_ns;
   profile.traverse_ns += other.profile.traverse_ns;
   profile.intersect_ns += other.profile.intersect_ns;
+  gets += other.gets;
+  adds += other.adds;
   return *this;
 }
 

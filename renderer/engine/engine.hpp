@@ -12,6 +12,7 @@
 #include "queues/work_queue.hpp"
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/engine/application.hpp"
+#include "renderer/engine/time_histogram.hpp"
 
 namespace irt {
 
@@ -65,6 +66,7 @@ struct WorkerStats {
   std::uint64_t profiled_ns = 0;        ///< all of the profiled tasks
   std::uint64_t barrier_ns = 0;         ///< at the barrier that ends the frame
   TraceProfile profile;                 ///< of the profiled tasks
+  TimeHistogram gets, adds;             ///< each pop that found a task, each push
 
   std::uint64_t busy_ns() const { return get_ns + add_ns + trace_ns + shade_ns + profiled_ns; }
   WorkerStats& operator+=(const WorkerStats& other);

@@ -92,11 +92,13 @@ class QueueEngine final : public Engine {
   };
   bool tasks_are_lost(LossWatch& watch);
 
-  // Charges the time since the last call to `account` and goes on from now.
-  void charge(Worker& me, std::uint64_t& account) {
+  // Charges the time since the last call to `account`, and to `each`, and goes on from now.
+  void charge(Worker& me, std::uint64_t& account, TimeHistogram* each = nullptr) {
     if constexpr (measured) {
       const Clock::time_point now = Clock::now();
-      account += nanoseconds(me.mark, now);
+      const std::uint64_t spent = nanoseconds(me.mark, now);
+      account += spent;
+      if (each != nullptr) each->add(spent);
       me.mark = now;
     }
   }
@@ -165,7 +167,7 @@ void QueueEngine<Queue, measured>::work(Worker& me, Termination policy) {
   std::uint32_t misses = 0;
   while (true) {
     if (Task* task = get(me)) {
-      charge(me, me.stats.get_ns);
+      charge(me, me.stats.get_ns, &me.stats.gets);
       if (misses != 0) {
         misses = 0;
         wait.reset();
@@ -244,9 +246,11 @@ void QueueEngine<Queue, measured>::process(Worker& me, Task& task) {
   const std::int64_t change = static_cast<std::int64_t>(made.size()) - (first_time ? 1 : 0);
   if (change != 0) outstanding_.fetch_add(change, std::memory_order_relaxed);
   charge(me, me.stats.shade_ns);
-  for (Task* child : made) put(me, *child);
+  for (Task* child : made) {
+    put(me, *child);
+    charge(me, me.stats.add_ns, &me.stats.adds);
+  }
   me.stats.added += made.size();
-  if (!made.empty()) charge(me, me.stats.add_ns);
 }
 
 template <class Queue, bool measured>
