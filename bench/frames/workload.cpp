@@ -73,7 +73,7 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   scene_ = load_scene(options_.scene);
   load_s_ = seconds_since(begin);
   const auto loaded = std::chrono::steady_clock::now();
-  accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh);
+  accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh, {});
   build_s_ = seconds_since(loaded);
   frame_ = entry_of(frame_buffers(), options_.frame_buffer, "frame buffer")
                .make(options_.width, options_.height);

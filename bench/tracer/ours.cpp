@@ -14,7 +14,7 @@ namespace {
 class Structure final : public Contestant {
  public:
   Structure(const AcceleratorEntry& entry, const Mesh& mesh)
-      : name_(entry.name), accelerator_(entry.build(mesh)) {}
+      : name_(entry.name), accelerator_(entry.build(mesh, {})) {}
 
   std::string_view name() const override { return name_; }
   bool is_ours() const override { return true; }

@@ -1,6 +1,7 @@
 /// What every acceleration structure answers: the first hit, and whether there is any.
 ///
-/// All structures give the same answer to the last bit. Two rules make that provable:
+/// With the same triangle test all structures give the same answer to the last bit. Two rules make
+/// that provable:
 ///  - Of several triangles at the same distance the one with the lowest index is hit.
 ///  - A hit's distance is clamped to the slab interval of the triangle's own bounding box, which
 ///    is computed by the same monotone operations as that of any box around it. So an ancestor
@@ -45,11 +46,43 @@ class Accelerator {
   virtual std::size_t memory_bytes() const = 0;
 };
 
+class Executor;
+
+/// How a ray is tested against a triangle: the classes of renderer/tracing/kernels-inl.hpp.
+enum class TriangleKernel : std::uint8_t {
+  moller_trumbore,
+  projection,
+  kensler_shirley,
+  watertight,
+};
+
+/// A kernel by name, as the tools see it.
+struct TriangleKernelEntry {
+  TriangleKernel kernel;
+  std::string_view name;
+  std::string_view summary;
+};
+
+/// All kernels, the default first.
+std::span<const TriangleKernelEntry> triangle_kernels();
+
+/// How a structure is built and traced. Of all this only the kernel has a say in the answers.
+struct AcceleratorOptions {
+  TriangleKernel kernel = TriangleKernel::moller_trumbore;
+  /// Rays per packet: 1, 4, 8 or 16; 0 takes the structure's best.
+  unsigned width = 0;
+  /// The instruction set: "sse4", "avx2", "avx512"; empty takes the best that the machine has.
+  std::string_view isa{};
+  /// Runs the parallel parts of the build; null stands for as many threads as there are cores.
+  Executor* executor = nullptr;
+};
+
 /// A structure by name, as the tools see it.
 struct AcceleratorEntry {
   std::string_view name;
   std::string_view summary;
-  std::unique_ptr<Accelerator> (*build)(const Mesh& mesh);
+  /// Throws std::invalid_argument where the structure or the machine lacks an option.
+  std::unique_ptr<Accelerator> (*build)(const Mesh& mesh, const AcceleratorOptions& options);
 };
 
 /// All structures, the default first.

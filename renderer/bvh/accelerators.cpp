@@ -1,28 +1,70 @@
 /// The list of structures: a new one adds its header and its line.
+#include <algorithm>
 #include <array>
+#include <stdexcept>
+#include <string>
 
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/bvh/brute_force.hpp"
 #include "renderer/bvh/goncalves.hpp"
+#include "renderer/bvh/wald.hpp"
 #include "renderer/bvh/wide.hpp"
 
 namespace irt {
 namespace {
 
 template <class Structure>
-std::unique_ptr<Accelerator> build(const Mesh& mesh) {
-  return std::make_unique<Structure>(mesh);
+std::unique_ptr<Accelerator> build(const Mesh& mesh, const AcceleratorOptions& options) {
+  return std::make_unique<Structure>(mesh, options);
+}
+
+std::unique_ptr<Accelerator> build_wide(const Mesh& mesh, const AcceleratorOptions& options) {
+  if (options.kernel != TriangleKernel::moller_trumbore) {
+    throw std::invalid_argument("wide: tests triangles by moller-trumbore only");
+  }
+  if (!options.isa.empty()) {
+    throw std::invalid_argument("instruction set \"" + std::string(options.isa) +
+                                "\": wide takes the machine's best; none would be right");
+  }
+  constexpr std::array<unsigned, 5> widths{0, 1, 4, 8, 16};
+  if (std::find(widths.begin(), widths.end(), options.width) == widths.end()) {
+    throw std::invalid_argument("packet width " + std::to_string(options.width) +
+                                ": 1, 4, 8 or 16 would be right, or 0 for the best");
+  }
+  WideOptions wide;
+  if (options.width != 0) wide.width = static_cast<int>(options.width);
+  if (options.executor != nullptr) {
+    return std::make_unique<Wide>(mesh, *options.executor, wide);
+  }
+  ThreadExecutor executor;
+  return std::make_unique<Wide>(mesh, executor, wide);
 }
 
 constexpr std::array entries{
     AcceleratorEntry{"wide", "eight children per node, SIMD, built in parallel: the fastest",
-                     build<Wide>},
+                     build_wide},
     AcceleratorEntry{"goncalves", "binary, pointers, one triangle per leaf (thesis 5.1)",
                      build<Goncalves>},
+    AcceleratorEntry{"wald", "binary, 32-byte nodes, full SAH sweep (thesis 5.2)", build<Wald>},
     AcceleratorEntry{"none", "every ray meets every triangle", build<BruteForce>},
 };
 
+constexpr std::array kernels{
+    TriangleKernelEntry{TriangleKernel::moller_trumbore, "moller-trumbore",
+                        "least memory (Möller, Trumbore 1997)"},
+    TriangleKernelEntry{TriangleKernel::kensler_shirley, "kensler-shirley",
+                        "precomputed normal (Kensler, Shirley 2006)"},
+    TriangleKernelEntry{TriangleKernel::projection, "projection",
+                        "the thesis' projection test (Wald 2004, Bikker)"},
+    TriangleKernelEntry{TriangleKernel::watertight, "watertight",
+                        "no ray passes between triangles (Woop, Benthin, Wald 2013)"},
+};
+
 }  // namespace
+
+std::span<const TriangleKernelEntry> triangle_kernels() {
+  return kernels;
+}
 
 std::span<const AcceleratorEntry> accelerators() {
   return entries;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "renderer/bvh/ray_loop.hpp"
+#include "renderer/bvh/single_ray.hpp"
 
 namespace irt {
 
@@ -14,10 +14,10 @@ namespace irt {
 /// Use it for a handful of triangles or as a reference; 100,000 triangles cost some 0.3 ms a ray.
 class BruteForce final : public SingleRayAccelerator<BruteForce> {
  public:
-  explicit BruteForce(const Mesh& mesh);
+  BruteForce(const Mesh& mesh, const AcceleratorOptions& options);
 
-  template <bool any, class Probe>
-  Hit trace(const TraversalRay& ray, Probe& probe) const;
+  template <class Kernel, bool any, class Probe>
+  Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
   std::size_t memory_bytes() const override { return triangles_.size() * sizeof(Triangle); }
 

@@ -140,7 +140,8 @@ struct Goncalves::Builder {
   }
 };
 
-Goncalves::Goncalves(const Mesh& mesh) : triangles_(corners(mesh)) {
+Goncalves::Goncalves(const Mesh& mesh, const AcceleratorOptions& options)
+    : SingleRayAccelerator("goncalves", options), triangles_(corners(mesh)) {
   if (triangles_.empty()) return;
   nodes_.reserve(2 * triangles_.size() - 1);
   Builder builder{{}, std::vector<std::uint32_t>(triangles_.size()), nodes_};
@@ -150,8 +151,8 @@ Goncalves::Goncalves(const Mesh& mesh) : triangles_(corners(mesh)) {
   builder.build();
 }
 
-template <bool any, class Probe>
-Hit Goncalves::trace(const TraversalRay& ray, Probe& probe) const {
+template <class Kernel, bool any, class Probe>
+Hit Goncalves::trace(const KernelRay<Kernel>& ray, Probe& probe) const {
   struct Pending {
     const Node* node;
     Interval inside;
@@ -166,7 +167,7 @@ Hit Goncalves::trace(const TraversalRay& ray, Probe& probe) const {
   while (true) {
     if (at.node->child1 == nullptr) {
       probe.test_begins();
-      meet(triangles_[at.node->triangle], at.node->triangle, at.inside, ray, best);
+      ray.meet(triangles_[at.node->triangle], at.node->triangle, at.inside, best);
       probe.test_ends();
       if (any && best.triangle != no_triangle) return best;
     } else {

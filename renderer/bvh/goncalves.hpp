@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "renderer/bvh/ray_loop.hpp"
+#include "renderer/bvh/single_ray.hpp"
 
 namespace irt {
 
@@ -25,10 +25,10 @@ namespace irt {
 /// the nearest hit are skipped.
 class Goncalves final : public SingleRayAccelerator<Goncalves> {
  public:
-  explicit Goncalves(const Mesh& mesh);
+  Goncalves(const Mesh& mesh, const AcceleratorOptions& options);
 
-  template <bool any, class Probe>
-  Hit trace(const TraversalRay& ray, Probe& probe) const;
+  template <class Kernel, bool any, class Probe>
+  Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
   std::size_t memory_bytes() const override {
     return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Triangle);

@@ -1,11 +1,9 @@
-/// The two queries of an accelerator from one function that traces a single ray.
+/// Timing a traversal from within, at no cost where nobody asks.
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "renderer/bvh/accelerator.hpp"
-#include "renderer/tracing/intersection.hpp"
 #include "renderer/tracing/stopwatch.hpp"
 
 namespace irt {
@@ -48,37 +46,5 @@ void with_profile(TraceProfile* profile, Trace trace) {
   profile->intersect_ns += static_cast<std::uint64_t>(static_cast<double>(intersect) * nanoseconds);
   profile->traverse_ns += static_cast<std::uint64_t>(static_cast<double>(traverse) * nanoseconds);
 }
-
-/// An accelerator that traces one ray after the other. `Structure` has
-/// `template <bool any, class Probe> Hit trace(const TraversalRay&, Probe&) const`; with `any` it
-/// may stop at the first hit that it finds.
-template <class Structure>
-class SingleRayAccelerator : public Accelerator {
- public:
-  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const final {
-    with_profile(profile, [&](auto& probe) {
-      for (std::uint32_t lane = 0; lane < rays.size; ++lane) {
-        const Hit hit = self().template trace<false>(TraversalRay(rays.ray(lane)), probe);
-        hits.t[lane] = hit.t;
-        hits.u[lane] = hit.u;
-        hits.v[lane] = hit.v;
-        hits.triangle[lane] = hit.triangle;
-      }
-    });
-  }
-
-  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
-               TraceProfile* profile) const final {
-    with_profile(profile, [&](auto& probe) {
-      for (std::uint32_t lane = 0; lane < rays.size; ++lane) {
-        const Hit hit = self().template trace<true>(TraversalRay(rays.ray(lane)), probe);
-        occluded[lane] = hit.triangle != no_triangle;
-      }
-    });
-  }
-
- private:
-  const Structure& self() const { return static_cast<const Structure&>(*this); }
-};
 
 }  // namespace irt

@@ -1,4 +1,5 @@
-/// Where a ray meets a box and where it meets a triangle: the scalar reference.
+/// Where a ray meets a box, and which of a triangle's crossings count: the scalar reference. How a
+/// line crosses a triangle is the business of kernels-inl.hpp.
 ///
 /// A hit is a pure function of the ray and the triangle's corners, and every structure gives the
 /// same bits as a test of all triangles. The argument, which every traversal relies on:
@@ -51,6 +52,11 @@ struct Box {
   }
 };
 
+/// By how much of the largest coordinate a triangle's box is padded.
+inline constexpr float box_pad = 0x1p-22f;
+/// By which factor the exit of a slab interval is widened.
+inline constexpr float exit_widening = 1.0f + 0x1p-21f;
+
 struct Triangle {
   Vec3 a, b, c;
 };
@@ -64,7 +70,7 @@ inline Box padded_bounds(const Triangle& triangle) {
   box.grow(triangle.c);
   const Vec3 far = max(-box.lo, box.hi);
   const float largest = std::fmax(far.x, std::fmax(far.y, far.z));
-  const float pad = largest * 0x1p-22f;
+  const float pad = largest * box_pad;
   return {box.lo - Vec3{pad, pad, pad}, box.hi + Vec3{pad, pad, pad}};
 }
 
@@ -124,33 +130,7 @@ inline Interval slab(const Box& box, const TraversalRay& ray) {
   const Vec3 entry = max(Vec3{near.x, near.y, near.z}, Vec3{});
   const float first = entry.x > entry.y ? entry.x : entry.y;
   const float last = far.x < far.y ? far.x : far.y;
-  return {first > entry.z ? first : entry.z, (last < far.z ? last : far.z) * (1.0f + 0x1p-21f)};
-}
-
-/// Whether the line of `ray` crosses `triangle`, and where (Möller and Trumbore 1997). No division
-/// happens before the sides are known, and the determinant meets no threshold but the range in
-/// which it is a normal number with an inverse: it shrinks with the square of the edges.
-inline bool moller_trumbore(const Triangle& triangle, const TraversalRay& ray, Hit& hit) {
-  const Vec3 edge1 = triangle.b - triangle.a;
-  const Vec3 edge2 = triangle.c - triangle.a;
-  const Vec3 p = cross(ray.direction, edge2);
-  const float determinant = dot(edge1, p);
-  const Vec3 s = ray.origin - triangle.a;
-  const float flip = std::copysign(1.0f, determinant);
-  const float u = dot(s, p) * flip;
-  const Vec3 q = cross(s, edge1);
-  const float v = dot(ray.direction, q) * flip;
-  const float magnitude = determinant * flip;
-  if (!(u >= 0 && v >= 0 && u + v <= magnitude)) return false;
-  if (!(magnitude >= std::numeric_limits<float>::min() &&
-        magnitude <= std::numeric_limits<float>::max())) {
-    return false;
-  }
-  const float inverse = 1.0f / magnitude;
-  hit.t = dot(edge2, q) * flip * inverse;
-  hit.u = u * inverse;
-  hit.v = v * inverse;
-  return true;
+  return {first > entry.z ? first : entry.z, (last < far.z ? last : far.z) * exit_widening};
 }
 
 /// Makes `hit` on triangle `index` the `best` one where it is nearer, or as near with a lower
@@ -162,23 +142,6 @@ inline void meet(std::uint32_t index, Hit hit, const Interval& own, Hit& best) {
   if (!(hit.t > 0)) return;
   if (hit.t < best.t || (hit.t == best.t && index < best.triangle)) {
     best = {hit.t, hit.u, hit.v, index};
-  }
-}
-
-/// Tests `triangle`, whose number is `index`, where the interval of its padded box is at hand.
-inline void meet(const Triangle& triangle, std::uint32_t index, const Interval& own,
-                 const TraversalRay& ray, Hit& best) {
-  Hit hit;
-  if (moller_trumbore(triangle, ray, hit)) meet(index, hit, own, best);
-}
-
-/// The same without the interval at hand: it is computed only for a triangle whose sides are
-/// passed.
-inline void meet(const Triangle& triangle, std::uint32_t index, const TraversalRay& ray,
-                 Hit& best) {
-  Hit hit;
-  if (moller_trumbore(triangle, ray, hit)) {
-    meet(index, hit, slab(padded_bounds(triangle), ray), best);
   }
 }
 

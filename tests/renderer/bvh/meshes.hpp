@@ -107,9 +107,10 @@ inline Rays random_rays(const Mesh& mesh, std::uint32_t count, std::uint32_t see
   return rays;
 }
 
-inline std::unique_ptr<Accelerator> build(std::string_view name, const Mesh& mesh) {
+inline std::unique_ptr<Accelerator> build(std::string_view name, const Mesh& mesh,
+                                          const AcceleratorOptions& options = {}) {
   for (const AcceleratorEntry& entry : accelerators()) {
-    if (entry.name == name) return entry.build(mesh);
+    if (entry.name == name) return entry.build(mesh, options);
   }
   return nullptr;
 }

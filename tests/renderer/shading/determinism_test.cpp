@@ -20,7 +20,7 @@ int repetitions() {
 struct Stage {
   explicit Stage(const SceneEntry& entry)
       : scene(entry.make()),
-        structure(accelerators().front().build(scene.mesh)),
+        structure(accelerators().front().build(scene.mesh, {})),
         frame(48, 48),
         shader(shaders().front().make(scene, frame, {})),
         application(scene.camera, frame, *shader, rays_per_task) {}

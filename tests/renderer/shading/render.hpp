@@ -10,7 +10,7 @@ namespace irt {
 /// Renders `scene` into `frame` with the default structure and shader.
 inline FrameStats render(const Scene& scene, FrameBuffer& frame, const QueueEntry& queue,
                          const EngineOptions& options = {}, const ShaderOptions& shading = {}) {
-  const auto structure = accelerators().front().build(scene.mesh);
+  const auto structure = accelerators().front().build(scene.mesh, {});
   const auto shader = shaders().front().make(scene, frame, shading);
   ImageRendering application(scene.camera, frame, *shader, options.rays_per_task);
   return make_engine(options, queue, *structure)->run(application);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "renderer/bvh/single_ray.hpp"
 #include "tests/renderer/bvh/meshes.hpp"
 
 namespace irt::test {
@@ -50,40 +51,13 @@ TEST(Slab, AxisParallelRayOnAFaceIsInside) {
   }
 }
 
-TEST(MollerTrumbore, FindsPlaceAndWeights) {
-  const Triangle triangle{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}};
-  Hit hit;
-  ASSERT_TRUE(moller_trumbore(triangle, TraversalRay({{0.25f, 0.5f, 0}, {0, 0, 2}}), hit));
-  EXPECT_FLOAT_EQ(hit.t, 2.5f);
-  EXPECT_FLOAT_EQ(hit.u, 0.25f);
-  EXPECT_FLOAT_EQ(hit.v, 0.5f);
-  EXPECT_FALSE(moller_trumbore(triangle, TraversalRay({{0.75f, 0.5f, 0}, {0, 0, 1}}), hit));
-  EXPECT_FALSE(moller_trumbore(triangle, TraversalRay({{-0.1f, 0.5f, 0}, {0, 0, 1}}), hit));
-}
-
-TEST(MollerTrumbore, BothSidesAreMet) {
-  const Triangle front{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}}, back{front.a, front.c, front.b};
-  const TraversalRay ray({{0.25f, 0.5f, 0}, {0, 0, 1}});
-  Hit hit;
-  EXPECT_TRUE(moller_trumbore(front, ray, hit));
-  EXPECT_TRUE(moller_trumbore(back, ray, hit));
-}
-
-/// A threshold on the determinant of 1e-6 would lose every one of these.
-TEST(MollerTrumbore, MeetsTrianglesOfAMicrometre) {
-  const Triangle triangle{{0, 0, 0.1f}, {1e-6f, 0, 0.1f}, {0, 1e-6f, 0.1f}};
-  Hit hit;
-  ASSERT_TRUE(moller_trumbore(triangle, TraversalRay({{2e-7f, 3e-7f, 0}, {0, 0, 1}}), hit));
-  EXPECT_NEAR(hit.t, 0.1f, 1e-6);
-}
-
 TEST(Meet, EqualDistancesGoToTheLowestIndexInAnyOrder) {
   const Triangle triangle{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}};
-  const TraversalRay ray({{0.25f, 0.25f, 0}, {0, 0, 1}});
+  const KernelRay<scalar::MollerTrumbore> ray({{0.25f, 0.25f, 0}, {0, 0, 1}});
   for (const auto& order :
        {std::array{3u, 1u, 2u}, std::array{1u, 2u, 3u}, std::array{2u, 3u, 1u}}) {
     Hit best = no_hit(ray);
-    for (const std::uint32_t index : order) meet(triangle, index, ray, best);
+    for (const std::uint32_t index : order) ray.meet(triangle, index, best);
     EXPECT_EQ(best.triangle, 1u);
   }
 }
@@ -91,9 +65,9 @@ TEST(Meet, EqualDistancesGoToTheLowestIndexInAnyOrder) {
 TEST(Meet, TheEndOfARayIsNotMet) {
   const Triangle triangle{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}};
   for (const float end : {4.0f, 5.0f, 5.00001f, 6.0f}) {
-    const TraversalRay ray({{0.25f, 0.25f, 0}, {0, 0, 1}, end});
+    const KernelRay<scalar::MollerTrumbore> ray({{0.25f, 0.25f, 0}, {0, 0, 1}, end});
     Hit best = no_hit(ray);
-    meet(triangle, 0, ray, best);
+    ray.meet(triangle, 0, best);
     EXPECT_EQ(best.triangle == 0, end > 5) << end;
   }
 }

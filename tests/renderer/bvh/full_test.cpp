@@ -1,0 +1,47 @@
+/// What takes minutes: run by `irt test --full`.
+#include <array>
+#include <chrono>
+
+#include "renderer/scene/scenes.hpp"
+#include "tests/renderer/bvh/agreement.hpp"
+
+namespace irt::test {
+namespace {
+
+TEST(Full, HundredThousandRaysPerStandIn) {
+  for (const SceneEntry& entry : built_in_scenes()) {
+    SCOPED_TRACE(entry.name);
+    const Scene scene = entry.make();
+    EXPECT_GT(expect_all_agree(scene.mesh, random_rays(scene.mesh, 100'000)), 10'000u);
+  }
+}
+
+/// The thesis: 102 to 1,040 times (table 5.2).
+TEST(Full, GoncalvesIsAHundredTimesBruteForce) {
+  using Clock = std::chrono::steady_clock;
+  for (const SceneEntry& entry : built_in_scenes()) {
+    const Scene scene = entry.make();
+    const auto seconds_per_ray = [&scene](const Accelerator& accelerator, std::uint32_t count) {
+      const Rays rays = random_rays(scene.mesh, count);
+      Hits hits(count);
+      const auto start = Clock::now();
+      accelerator.closest_hit(rays, hits);
+      return std::chrono::duration<double>(Clock::now() - start).count() / count;
+    };
+    const auto brute = build("none", scene.mesh), tree = build("goncalves", scene.mesh);
+    std::array<double, 5> ratio{};
+    for (double& r : ratio) r = seconds_per_ray(*brute, 200) / seconds_per_ray(*tree, 20'000);
+    std::sort(ratio.begin(), ratio.end());
+    RecordProperty(std::string(entry.name), std::to_string(ratio[2]));
+    EXPECT_GE(ratio[2], 100) << entry.name << ": median of five, least " << ratio[0] << ", most "
+                             << ratio[4];
+  }
+}
+
+TEST(Full, MillionTriangles) {
+  const Mesh mesh = soup(1'000'000, 0.01f);
+  EXPECT_GT(expect_all_agree(mesh, random_rays(mesh, 1000)), 200u);
+}
+
+}  // namespace
+}  // namespace irt::test
