@@ -87,22 +87,27 @@ struct Claims {
   bool needs_cas2 = false;  ///< uses a 16-byte compare-and-swap
 };
 
+// clang-format 14 does not know how to lay out a concept.
+// clang-format off
+
 /// `Q` is a work queue of `T`.
 template <class Q, class T>
-concept WorkQueueOf = std::is_trivially_copyable_v<T> && sizeof(T) <= sizeof(std::uint64_t) &&
-                      std::constructible_from<Q, unsigned, std::size_t>&& requires(Q& queue,
-                                                                                   unsigned worker,
-                                                                                   T task) {
-  { queue.push(worker, task) } -> std::same_as<bool>;
-  { queue.pop(worker, task) } -> std::same_as<bool>;
-  { Q::claims } -> std::convertible_to<const Claims&>;
-  { Q::summary } -> std::convertible_to<std::string_view>;
-};
+concept WorkQueueOf =
+    std::is_trivially_copyable_v<T> && sizeof(T) <= sizeof(std::uint64_t) &&
+    std::constructible_from<Q, unsigned, std::size_t> &&
+    requires(Q& queue, unsigned worker, T task) {
+      { queue.push(worker, task) } -> std::same_as<bool>;
+      { queue.pop(worker, task) } -> std::same_as<bool>;
+      { Q::claims } -> std::convertible_to<const Claims&>;
+      { Q::summary } -> std::convertible_to<std::string_view>;
+    };
 
 /// `Q` is a work queue for every element the testbed uses: tasks (pointers) and tagged integers.
 template <template <class> class Q>
-concept WorkQueue = WorkQueueOf < Q<void*>,
-void* > &&WorkQueueOf<Q<std::uint64_t>, std::uint64_t>;
+concept WorkQueue =
+    WorkQueueOf<Q<void*>, void*> && WorkQueueOf<Q<std::uint64_t>, std::uint64_t>;
+
+// clang-format on
 
 /// The type-erased face of a queue of `T`: one virtual call per operation.
 template <class T>

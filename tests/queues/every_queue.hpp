@@ -23,6 +23,11 @@ inline const QueueRegistry& queues_under_test() {
   return registry;
 }
 
+/// How a failure names the queue.
+inline void PrintTo(const QueueEntry& queue, std::ostream* out) {
+  *out << queue.name;
+}
+
 class EveryQueue : public testing::TestWithParam<QueueEntry> {};
 
 /// The queue's name as GoogleTest takes it.

@@ -1,5 +1,5 @@
 /// A short meeting of several threads: every element leaves exactly once, and in the order its
-/// queue claims as far as one thread can tell.
+/// queue claims as far as one thread can tell. What takes luck to meet is for stress/ to find.
 #include <atomic>
 #include <cstdint>
 #include <thread>
@@ -77,7 +77,7 @@ void expect_producer_order(const std::vector<Seen>& seen, unsigned producers) {
 }
 
 void check(const QueueEntry& entry, unsigned producers, unsigned consumers, std::size_t capacity) {
-  constexpr std::uint64_t each = 20'000;
+  constexpr std::uint64_t each = 50'000;
   const auto queue = entry.make_word_queue(std::max(producers, consumers), capacity);
   const std::vector<Seen> seen = meet(*queue, producers, consumers, each);
   expect_each_once(seen, producers, each);
