@@ -29,7 +29,7 @@ file(REMOVE_RECURSE ${WORK}/${STEP}/source)
 
 if(STEP STREQUAL inside)
   set(tree ${WORK}/inside/source)
-  file(COPY ${SOURCE}/CMakeLists.txt ${SOURCE}/cmake ${SOURCE}/queues DESTINATION ${tree})
+  file(COPY ${SOURCE}/CMakeLists.txt ${SOURCE}/queues DESTINATION ${tree})
   file(COPY ${SOURCE}/tests/CMakeLists.txt ${SOURCE}/tests/queues DESTINATION ${tree}/tests)
   file(WRITE ${tree}/queues/blocking/spin_ring.hpp "${header}")
   text_of(line "cmake insert=queues/CMakeLists.txt")
