@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/renderer/bvh/agreement.hpp"
+#include "tests/renderer/bvh/watertight.hpp"
 
 namespace irt::test {
 namespace {
@@ -122,6 +123,16 @@ TEST(Degenerate, DirectionsOfAnyLength) {
     rays.add({{}, direction * scale}, {1, 1, 1}, 0);
   }
   EXPECT_GT(expect_all_agree(mesh, rays), 850u);
+}
+
+TEST(Watertight, RaysAtSeamsPassNowhere) {
+  expect_no_leak(100'000, 30, 40);
+}
+
+/// The same rays do find the seams: Möller and Trumbore let some through.
+TEST(Watertight, OthersLeak) {
+  const Mesh mesh = potato({10, -20, 30}, 1, 30, 40);
+  EXPECT_GT(leaks(*build("goncalves", mesh), mesh, {10, -20, 30}, 1, 100'000, 5), 0u);
 }
 
 /// Many triangles that share one centre: sorting and binning tell none apart.

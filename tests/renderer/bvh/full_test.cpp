@@ -4,6 +4,7 @@
 
 #include "renderer/scene/scenes.hpp"
 #include "tests/renderer/bvh/agreement.hpp"
+#include "tests/renderer/bvh/watertight.hpp"
 
 namespace irt::test {
 namespace {
@@ -36,6 +37,10 @@ TEST(Full, GoncalvesIsAHundredTimesBruteForce) {
     EXPECT_GE(ratio[2], 100) << entry.name << ": median of five, least " << ratio[0] << ", most "
                              << ratio[4];
   }
+}
+
+TEST(Full, TenMillionRaysAtSeamsPassNowhere) {
+  expect_no_leak(10'000'000, 120, 160);
 }
 
 TEST(Full, MillionTriangles) {
