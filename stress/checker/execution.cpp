@@ -18,6 +18,9 @@ std::uintptr_t sleepers_of(std::uintptr_t address) {
   return address | (std::uintptr_t{1} << 63U);
 }
 
+// What S and W of a shape write and read.
+constexpr std::uintptr_t signal_address = (std::uintptr_t{1} << 63U) | 64U;
+
 Value mask_of(std::uint32_t size) {
   return size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
 }
@@ -52,6 +55,8 @@ unsigned sleeper_count(Value sleepers) {
 
 }  // namespace
 
+Execution* Execution::current_execution_ = nullptr;
+
 Execution::Execution(const Scenario& scenario, const Limits& limits)
     : scenario_(scenario),
       limits_(limits),
@@ -63,6 +68,7 @@ Execution::Execution(const Scenario& scenario, const Limits& limits)
 
 Outcome Execution::run(Strategy& strategy) {
   strategy_ = &strategy;
+  current_execution_ = this;
   graph_.clear();
   heap_.clear();
   steps_.clear();
@@ -89,8 +95,9 @@ Outcome Execution::run(Strategy& strategy) {
   }
   if (outcome_ == Outcome::complete) {
     phase_ = Phase::parallel;
+    graph_.tick(main_);
     for (unsigned thread = 0; thread < main_; ++thread) {
-      graph_.fork(main_, thread);
+      graph_.order(main_, thread);
       arm(thread, scenario_.threads[thread]);
     }
     const unsigned first = strategy.choose_thread(*this, runnable(), host);
@@ -102,7 +109,10 @@ Outcome Execution::run(Strategy& strategy) {
     if (outcome_ == Outcome::complete) outcome_ = after_threads();
   }
   if (outcome_ == Outcome::complete) {
-    for (unsigned thread = 0; thread < main_; ++thread) graph_.join(main_, thread);
+    for (unsigned thread = 0; thread < main_; ++thread) {
+      graph_.tick(thread);
+      graph_.order(thread, main_);
+    }
     if (scenario_.finish) {
       phase_ = Phase::finish;
       arm(main_, scenario_.finish);
@@ -127,6 +137,7 @@ Outcome Execution::run(Strategy& strategy) {
       break;
     }
   }
+  current_execution_ = nullptr;
   strategy.end(*this, outcome_);
   return outcome_;
 }
@@ -661,6 +672,21 @@ unsigned Execution::wake(std::uintptr_t address, unsigned count, const void* pc)
       [](Value) { return Meaning::modify; },
       [count](Value value) { return without_oldest(value, count); });
   return std::min(count, sleeper_count(before));
+}
+
+void Execution::signal() {
+  reach(signal_address, true);
+  read_event(
+      {signal_address, 4, nullptr, Order::release, Order::relaxed}, true,
+      [](Value) { return Meaning::modify; }, [](Value) { return Value{1}; });
+}
+
+void Execution::await_signal() {
+  reach(signal_address, false);
+  read_event(
+      {signal_address, 4, nullptr, Order::acquire, Order::acquire}, false,
+      [](Value value) { return value == 0 ? Meaning::wait : Meaning::load; },
+      [](Value value) { return value; });
 }
 
 std::int64_t Execution::now() {

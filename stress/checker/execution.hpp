@@ -79,6 +79,11 @@ class Execution final : public virtual_cores::Tenant {
 
   /// The past of `thread`, as a judge may need it between operations.
   [[nodiscard]] const Clock& clock_of(unsigned thread) const { return graph_.thread(thread).now; }
+  /// The execution in progress; null outside of `run`.
+  static Execution* current_execution() { return current_execution_; }
+  /// For scenarios: lets those that await it go on; what came before happens before what they do.
+  void signal();
+  void await_signal();
   /// The thread in progress. Valid while the scenario's functions run.
   [[nodiscard]] unsigned current() const { return cores_.current(); }
   /// Stops `thread` for good once it has made `events` events of its own.
@@ -192,6 +197,7 @@ class Execution final : public virtual_cores::Tenant {
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ != Phase::idle; }
 
+  static Execution* current_execution_;
   const Scenario& scenario_;
   Limits limits_;
   unsigned main_;

@@ -170,14 +170,9 @@ void Graph::finish_choice(Event& event, std::uint32_t option) {
   complete(event);
 }
 
-void Graph::fork(unsigned parent, unsigned child) {
-  threads_[child].now.join(threads_[parent].now);
-  threads_[child].causes.join(threads_[parent].causes);
-}
-
-void Graph::join(unsigned parent, unsigned child) {
-  threads_[parent].now.join(threads_[child].now);
-  threads_[parent].causes.join(threads_[child].causes);
+void Graph::order(unsigned earlier, unsigned later) {
+  threads_[later].now.join(threads_[earlier].now);
+  threads_[later].causes.join(threads_[earlier].causes);
 }
 
 }  // namespace irt::checker

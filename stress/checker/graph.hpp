@@ -126,9 +126,13 @@ class Graph {
   bool allows_read(Event& event, std::uint32_t location, std::size_t place, bool modifies);
   bool allows_place(Event& event, std::uint32_t location, std::size_t place);
 
-  /// `parent` has created `child`, or has seen it end.
-  void fork(unsigned parent, unsigned child);
-  void join(unsigned parent, unsigned child);
+  /// `thread` goes on to a new moment, so that what it did by now can be told from what follows.
+  void tick(unsigned thread) {
+    ++threads_[thread].now.count[thread];
+    threads_[thread].causes.count[thread] = threads_[thread].now.count[thread];
+  }
+  /// All that `earlier` did happens before what `later` does next: it created it or saw it end.
+  void order(unsigned earlier, unsigned later);
 
   [[nodiscard]] bool happens_before(const Event& event, const Clock& clock) const {
     return event.kind == EventKind::initial || clock.count[event.thread] >= event.index;

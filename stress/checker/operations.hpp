@@ -1,0 +1,46 @@
+/// A history ordered by happens-before, and the question whether a queue could have made it.
+///
+/// Operation a precedes b when a's return happens before b's call. Operations that are not so
+/// ordered overlap, however far apart an explorer happened to run them; so code whose orders are
+/// as weak as they may be is not accused of what only a clock could see.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "queues/work_queue.hpp"
+#include "stress/checker/clock.hpp"
+
+namespace irt::checker {
+
+/// One call of a queue.
+struct Operation {
+  enum class Kind : std::uint8_t { push, pop } kind = Kind::push;
+  unsigned thread = 0;  ///< who called; the drain and the prologue are the preparing thread's
+  unsigned worker = 0;  ///< on whose behalf
+  enum class Phase : std::uint8_t { before, during, after } phase = Phase::during;
+  bool answered = false;  ///< what the call returned
+  bool finished = false;  ///< whether it returned at all
+  std::uint64_t value = 0;
+  Clock called;                ///< what happens before the call
+  std::uint16_t returned = 0;  ///< the moment of its thread at which it returned
+  std::size_t first_step = 0;  ///< steps of the execution before the call
+  std::size_t last_step = 0;   ///< and before the return
+};
+
+/// Whether `a` returns before `b` is called, as far as the code can know.
+bool precedes(const Operation& a, const Operation& b);
+
+/// "push 3 -> full", "pop -> 3", "pop -> empty".
+std::string to_string(const Operation& operation);
+
+/// What is wrong with `operations` by the claims, if anything: no order of the operations that
+/// agrees with `precedes` is one of a queue as claimed. At most 64 operations, all finished; the
+/// last ones empty the queue.
+std::optional<std::string> judge(const std::vector<Operation>& operations, const Claims& claims,
+                                 std::size_t capacity);
+
+}  // namespace irt::checker

@@ -1,0 +1,68 @@
+/// Clients of a queue, written as shapes.
+///
+///     EE|D|DE      three threads: two pushes; a pop; a pop and a push
+///     EE:D|D       before the threads start, two pushes are made
+///
+///     E  push the next element           R  the renderer's task: pop one; if there was one, push
+///     D  pop                                two, once per letter
+///     S  signal: whoever waits ...       W  ... goes on, and everything before S happens before
+///
+/// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
+/// before and after is done on behalf of worker 0.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "queues/work_queue.hpp"
+#include "stress/checker/checker.hpp"
+#include "stress/checker/operations.hpp"
+
+namespace irt::checker {
+
+struct Shape {
+  std::string prologue;
+  std::vector<std::string> threads;
+};
+
+/// Throws std::invalid_argument that says what is wrong with `text`.
+Shape parse_shape(std::string_view text);
+std::string to_string(const Shape& shape);
+
+/// The shapes that a queue with these claims is tried with, small ones first.
+std::vector<std::string> battery(const Claims& claims);
+
+/// A shape over one queue. The functions of `scenario()` refer to this object.
+class QueueClient {
+ public:
+  QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
+              virtual_cores::Module* module);
+  QueueClient(const QueueClient&) = delete;
+  QueueClient& operator=(const QueueClient&) = delete;
+
+  [[nodiscard]] const Scenario& scenario() const { return scenario_; }
+  [[nodiscard]] const std::vector<Operation>& operations() const { return operations_; }
+  [[nodiscard]] const Shape& shape() const { return shape_; }
+  /// Executions whose operations the claims were asked about; the others were known already.
+  [[nodiscard]] std::size_t histories() const { return judged_.size(); }
+
+ private:
+  void run_letters(const std::string& letters, unsigned thread, unsigned worker);
+  bool push(unsigned thread, unsigned worker);
+  bool pop(unsigned thread, unsigned worker);
+  std::optional<std::string> judge_history(const Execution& execution);
+
+  QueueEntry entry_;
+  Shape shape_;
+  std::size_t capacity_;
+  Scenario scenario_;
+  AnyWorkQueue<std::uint64_t>* queue_ = nullptr;
+  std::vector<Operation> operations_;
+  Operation::Phase phase_ = Operation::Phase::before;
+  std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far
+  std::unordered_map<std::string, bool> judged_;
+};
+
+}  // namespace irt::checker
