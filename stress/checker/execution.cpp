@@ -74,6 +74,7 @@ Outcome Execution::run(Strategy& strategy) {
   steps_.clear();
   notes_.clear();
   finding_.reset();
+  froze_ = false;
   stores_ = 0;
   outcome_ = Outcome::complete;
   for (ThreadState& state : states_) {
@@ -126,7 +127,7 @@ Outcome Execution::run(Strategy& strategy) {
       outcome_ = Outcome::found;
     }
   }
-  if (outcome_ == Outcome::complete && limits_.leaks && scenario_.finish) {
+  if (outcome_ == Outcome::complete && limits_.leaks && !frozen_ && scenario_.finish) {
     for (const Block& block : heap_.blocks()) {
       if (block.freed) continue;
       finding_ = Finding{
@@ -166,10 +167,15 @@ void Execution::report(FindingKind kind, std::string text, std::vector<const voi
   stop(Outcome::found);
 }
 
+std::string Execution::stalled() const {
+  return "with thread " + std::to_string(frozen_->first) + " stopped after " +
+         std::to_string(frozen_->second) + " steps, ";
+}
+
 void Execution::check_limit(const void* pc) {
   if (graph_.thread(cores_.current()).events.size() >= limits_.events_per_thread)
-    report(FindingKind::livelock,
-           "a thread does not come to an end within " + std::to_string(limits_.events_per_thread) +
+    report(frozen_ ? FindingKind::blocked_by_stalled_thread : FindingKind::livelock,
+           (frozen_ ? stalled() : "") + "a thread does not come to an end within " + std::to_string(limits_.events_per_thread) +
                " steps; it is at {0}",
            {pc});
 }
@@ -179,7 +185,7 @@ void Execution::reach(std::uintptr_t address, bool writes) {
   if (phase_ != Phase::parallel) return;
   if (frozen_ && frozen_->first == cores_.current() &&
       graph_.thread(frozen_->first).events.size() >= frozen_->second) {
-    state.done = true;
+    froze_ = state.done = true;
     go_elsewhere();
   }
   if (!state.started) {  // it was chosen to begin, and nothing has happened since
@@ -233,7 +239,7 @@ void Execution::wait_here(std::uint32_t location, const void* pc) {
 
 Outcome Execution::after_threads() {
   if (std::all_of(states_.begin(), states_.end() - 1, [](const ThreadState& s) { return s.done; }))
-    return frozen_ ? Outcome::blocked : Outcome::complete;
+    return Outcome::complete;
   // Some wait. It is for good only if each has seen the newest store of all it waits for.
   for (unsigned thread = 0; thread < main_; ++thread) {
     const ThreadState& state = states_[thread];
@@ -274,8 +280,7 @@ void Execution::explain_standstill() {
   }
   if (frozen_) {
     finding.kind = FindingKind::blocked_by_stalled_thread;
-    finding.text = "with thread " + std::to_string(frozen_->first) + " stopped after " +
-                   std::to_string(frozen_->second) + " steps, " + finding.text;
+    finding.text = stalled() + finding.text;
   }
   finding_ = finding;
 }

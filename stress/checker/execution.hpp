@@ -86,8 +86,11 @@ class Execution final : public virtual_cores::Tenant {
   void await_signal();
   /// The thread in progress. Valid while the scenario's functions run.
   [[nodiscard]] unsigned current() const { return cores_.current(); }
-  /// Stops `thread` for good once it has made `events` events of its own.
+  /// Stops `thread` for good before event number `events` (from 0) of its own, in runs to come.
   void freeze(unsigned thread, std::size_t events) { frozen_ = {{thread, events}}; }
+  [[nodiscard]] bool freezes() const { return frozen_.has_value(); }
+  /// Whether the thread to be stopped came that far in the last run.
+  [[nodiscard]] bool froze() const { return froze_; }
   void report(FindingKind kind, std::string text, std::vector<const void*> places);
 
   /// For the reader: the code's calls, kept only when asked for.
@@ -190,6 +193,7 @@ class Execution final : public virtual_cores::Tenant {
   std::uint64_t hash_of_core() const;
   bool on_own_stack(std::uintptr_t address) const;
   void check_limit(const void* pc);
+  [[nodiscard]] std::string stalled() const;
   Outcome after_threads();
   void explain_standstill();
   unsigned other_choice(unsigned count, const void* pc);
@@ -215,6 +219,7 @@ class Execution final : public virtual_cores::Tenant {
   std::vector<ReadOption> options_;
   std::vector<std::size_t> places_;
   std::optional<std::pair<unsigned, std::size_t>> frozen_;
+  bool froze_ = false;
   /// Sixteen-byte units that are accessed in different sizes, and the size that covers them.
   std::unordered_map<std::uintptr_t, std::uint32_t> widened_;
   std::unordered_set<const void*> loop_heads_;

@@ -112,7 +112,7 @@ std::optional<std::string> judge_producers(const std::vector<Operation>& operati
 
 bool precedes(const Operation& a, const Operation& b) {
   if (a.phase != b.phase) return a.phase < b.phase;
-  if (a.thread == b.thread) return a.last_step <= b.first_step && &a < &b;
+  if (a.thread == b.thread) return a.number < b.number;
   return b.called.count[a.thread] >= a.returned;
 }
 

@@ -84,7 +84,8 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     for (unsigned worker = 0; worker < count; ++worker)
       while (pop(count, worker)) {
       }
-    delete queue_;
+    // A queue with a call in the middle of it cannot be destroyed.
+    if (!Execution::current_execution()->freezes()) delete queue_;
   };
   scenario_.judge = [this](const Execution& execution) { return judge_history(execution); };
 }
@@ -123,6 +124,7 @@ bool QueueClient::push(unsigned thread, unsigned worker) {
   operations_.push_back({.kind = Operation::Kind::push,
                          .thread = thread,
                          .worker = worker,
+                         .number = number,
                          .phase = phase_,
                          .value = value,
                          .called = execution.clock_of(thread),
@@ -142,6 +144,7 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   operations_.push_back({.kind = Operation::Kind::pop,
                          .thread = thread,
                          .worker = worker,
+                         .number = number,
                          .phase = phase_,
                          .called = execution.clock_of(thread),
                          .first_step = execution.steps().size()});
@@ -156,7 +159,25 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   return answered;
 }
 
-std::optional<std::string> QueueClient::judge_history(const Execution&) {
+std::optional<std::string> QueueClient::judge_stalled() const {
+  for (const Operation& push : operations_) {
+    if (push.kind != Operation::Kind::push || !push.answered) continue;
+    const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
+      return o.kind == Operation::Kind::pop && o.value == push.value &&
+             (o.answered || !o.finished);
+    });
+    const bool taken = std::any_of(operations_.begin(), operations_.end(), [](const Operation& o) {
+      return o.kind == Operation::Kind::pop && !o.finished;
+    });
+    if (!out && !taken)
+      return "element " + std::to_string(push.value) +
+             ", whose push has returned, does not come out while a thread is stopped";
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
+  if (execution.freezes()) return judge_stalled();
   // Few histories differ in what matters: the answers and the order. Each is judged once.
   std::vector<const Operation*> sorted;
   for (const Operation& operation : operations_) sorted.push_back(&operation);

@@ -53,6 +53,7 @@ class QueueClient {
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
   std::optional<std::string> judge_history(const Execution& execution);
+  [[nodiscard]] std::optional<std::string> judge_stalled() const;
 
   QueueEntry entry_;
   Shape shape_;

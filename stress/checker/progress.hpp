@@ -1,0 +1,24 @@
+/// What a stalled thread does to the others: one is stopped before each of its steps in turn, and
+/// the rest must come to an end and get out what was put in.
+///
+/// A lock-free queue passes whatever is stopped where. A queue that is not cannot be shown to be
+/// blocking by passing, only by failing: the schedules around the stop are sampled.
+#pragma once
+
+#include "stress/checker/checker.hpp"
+
+namespace irt::checker {
+
+struct ProgressResult {
+  std::optional<Finding> finding;
+  std::vector<Step> steps;
+  unsigned thread = 0;        ///< that was stopped
+  std::size_t stopped = 0;    ///< before this step of its own
+  std::uint64_t executions = 0;
+};
+
+/// Stops each thread before each of its steps, with `schedules` random schedules for each.
+ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
+                              unsigned schedules);
+
+}  // namespace irt::checker
