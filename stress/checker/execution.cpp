@@ -175,8 +175,8 @@ std::string Execution::stalled() const {
 void Execution::check_limit(const void* pc) {
   if (graph_.thread(cores_.current()).events.size() >= limits_.events_per_thread)
     report(frozen_ ? FindingKind::blocked_by_stalled_thread : FindingKind::livelock,
-           (frozen_ ? stalled() : "") + "a thread does not come to an end within " + std::to_string(limits_.events_per_thread) +
-               " steps; it is at {0}",
+           (frozen_ ? stalled() : "") + "a thread does not come to an end within " +
+               std::to_string(limits_.events_per_thread) + " steps; it is at {0}",
            {pc});
 }
 

@@ -55,8 +55,9 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
     for (std::uint32_t number = cell.touches; number != 0;) {
       const Touch& other = heap_.touch(number);
       number = other.next;
-      if (!limits_.races || other.thread == thread || (other.bytes & bytes) == 0 || !(other.writes || writes) ||
-          (other.atomic && atomic) || now.count[other.thread] >= other.moment)
+      if (!limits_.races || other.thread == thread || (other.bytes & bytes) == 0 ||
+          !(other.writes || writes) || (other.atomic && atomic) ||
+          now.count[other.thread] >= other.moment)
         continue;
       report(FindingKind::data_race,
              std::string("the ") + (atomic ? "atomic " : "") + verb(writes) + " at {0} by thread " +

@@ -19,8 +19,9 @@ namespace irt::checker {
 /// One call of a queue.
 struct Operation {
   enum class Kind : std::uint8_t { push, pop } kind = Kind::push;
-  unsigned thread = 0;  ///< who called; the drain and the prologue are the preparing thread's
-  unsigned worker = 0;  ///< on whose behalf
+  unsigned thread = 0;     ///< who called; the drain and the prologue are the preparing thread's
+  unsigned worker = 0;     ///< on whose behalf
+  std::size_t number = 0;  ///< of the call, as the execution made them
   enum class Phase : std::uint8_t { before, during, after } phase = Phase::during;
   bool answered = false;  ///< what the call returned
   bool finished = false;  ///< whether it returned at all

@@ -12,8 +12,8 @@ namespace irt::checker {
 struct ProgressResult {
   std::optional<Finding> finding;
   std::vector<Step> steps;
-  unsigned thread = 0;        ///< that was stopped
-  std::size_t stopped = 0;    ///< before this step of its own
+  unsigned thread = 0;      ///< that was stopped
+  std::size_t stopped = 0;  ///< before this step of its own
   std::uint64_t executions = 0;
 };
 

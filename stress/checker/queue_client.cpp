@@ -163,8 +163,7 @@ std::optional<std::string> QueueClient::judge_stalled() const {
   for (const Operation& push : operations_) {
     if (push.kind != Operation::Kind::push || !push.answered) continue;
     const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
-      return o.kind == Operation::Kind::pop && o.value == push.value &&
-             (o.answered || !o.finished);
+      return o.kind == Operation::Kind::pop && o.value == push.value && (o.answered || !o.finished);
     });
     const bool taken = std::any_of(operations_.begin(), operations_.end(), [](const Operation& o) {
       return o.kind == Operation::Kind::pop && !o.finished;

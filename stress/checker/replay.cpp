@@ -25,7 +25,8 @@ Schedule parse_schedule(std::string_view text) {
     return std::invalid_argument("schedule \"" + std::string(text) + "\": " + what +
                                  "; one looks like s:a3b'1a2");
   };
-  if (!text.starts_with("s:") && !text.starts_with("g:")) throw wrong("begins with neither s: nor g:");
+  if (!text.starts_with("s:") && !text.starts_with("g:"))
+    throw wrong("begins with neither s: nor g:");
   Schedule schedule;
   schedule.waiting_resumes = text[0] == 's';
   const char* at = text.data() + 2;
@@ -37,7 +38,8 @@ Schedule parse_schedule(std::string_view text) {
   };
   while (at != end) {
     const int thread = *at++ - 'a';
-    if (thread < 0 || thread >= static_cast<int>(max_threads)) throw wrong("has a step of no thread");
+    if (thread < 0 || thread >= static_cast<int>(max_threads))
+      throw wrong("has a step of no thread");
     const std::uint32_t count = number(1);
     if (count == 0 || count > 1'000'000) throw wrong("has a run of no length");
     for (std::uint32_t i = 0; i < count; ++i)

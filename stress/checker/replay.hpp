@@ -1,6 +1,7 @@
 /// Schedules as text, and their repetition.
 ///
-///     s:a3b'1a2    thread 0 makes three steps, thread 1 one that reads the store before the newest,
+///     s:a3b'1a2    thread 0 makes three steps, thread 1 one that reads the store before the
+///     newest,
 ///                  thread 0 two more
 ///
 /// A letter names the thread, a number how many steps it makes in a row, ' and a number what was
@@ -38,7 +39,9 @@ class Replay final : public Strategy {
   std::optional<std::size_t> planned_place(Execution& execution, Event& event,
                                            std::uint32_t location) override;
   void added(Execution& execution, const Event& event) override;
-  [[nodiscard]] bool expects_more(unsigned thread) const override { return remaining_[thread] != 0; }
+  [[nodiscard]] bool expects_more(unsigned thread) const override {
+    return remaining_[thread] != 0;
+  }
   [[nodiscard]] bool resumes_waiting() const override { return schedule_.waiting_resumes; }
 
   /// Whether every step so far was as the schedule says.
