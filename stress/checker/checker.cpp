@@ -18,42 +18,43 @@ std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget)
     case Search::bounded:
       return std::make_unique<DepthFirst>(budget);
     case Search::random:
-      return std::make_unique<RandomWalk>(options.seed);
+      return std::make_unique<RandomWalk>(options.seed * options.shards + options.shard);
     case Search::pct:
-      return std::make_unique<PriorityChanges>(options.seed, options.depth);
+      return std::make_unique<PriorityChanges>(options.seed * options.shards + options.shard,
+                                               options.depth);
     case Search::pos:
-      return std::make_unique<OrderSampling>(options.seed);
+      return std::make_unique<OrderSampling>(options.seed * options.shards + options.shard);
   }
   return nullptr;
 }
 
-}  // namespace
-
-Result check(const Scenario& scenario, const Options& options) {
+Result explore(const Options& options, Execution& execution) {
   using Stopwatch = std::chrono::steady_clock;
   const auto start = Stopwatch::now();
   const auto elapsed = [start] {
     return std::chrono::duration<double>(Stopwatch::now() - start).count();
   };
-  Execution execution(scenario, options.limits);
   Result result;
+  std::uint64_t made = 0;
   const unsigned last_budget = options.search == Search::bounded ? options.budget : 0;
   for (unsigned budget = 0; budget <= last_budget; ++budget) {
     auto strategy = make_strategy(options, budget);
     while (strategy->begin()) {
-      if (result.executions == options.executions) return result;
-      if ((result.executions & 63U) == 0 && (result.seconds = elapsed()) > options.seconds)
-        return result;
+      if ((made & 63U) == 0) result.seconds = elapsed();
+      if (made == options.executions || result.seconds > options.seconds) return result;
       const Outcome outcome = execution.run(*strategy);
-      ++result.executions;
+      ++made;
       result.assumed_waits = execution.assumed_waits();
-      result.complete += outcome == Outcome::complete ? 1 : 0;
-      result.blocked += outcome == Outcome::blocked ? 1 : 0;
-      result.cut += outcome == Outcome::cut ? 1 : 0;
+      if (!strategy->counted_elsewhere()) {
+        ++result.executions;
+        result.complete += outcome == Outcome::complete ? 1 : 0;
+        result.blocked += outcome == Outcome::blocked ? 1 : 0;
+        result.cut += outcome == Outcome::cut ? 1 : 0;
+      }
       if (outcome == Outcome::complete && options.each) options.each(execution);
       if (outcome == Outcome::found) {
         result.finding = execution.finding();
-        result.steps = execution.steps();
+        result.schedule = {execution.steps(), strategy->resumes_waiting()};
         result.seconds = elapsed();
         return result;
       }
@@ -63,6 +64,43 @@ Result check(const Scenario& scenario, const Options& options) {
   result.finished = true;
   result.seconds = elapsed();
   return result;
+}
+
+}  // namespace
+
+Result check(const Scenario& scenario, const Options& options) {
+  Execution execution(scenario, options.limits);
+  execution.weaken(options.weakened);
+  if (options.watch_orders) execution.watch_orders();
+  Result result = explore(options, execution);
+  result.order_sites = execution.order_sites();
+  return result;
+}
+
+std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& options,
+                                  const Schedule& schedule) {
+  auto execution = std::make_unique<Execution>(scenario, options.limits);
+  execution->weaken(options.weakened);
+  for (;;) {
+    Replay replay(schedule);
+    replay.begin();
+    const Outcome outcome = execution->run(replay);
+    if (outcome == Outcome::restart) continue;
+    if (outcome != Outcome::found || !replay.fits()) return nullptr;
+    return execution;
+  }
+}
+
+Result simplest(const Scenario& scenario, const Options& options, const Result& result) {
+  Options search = options;
+  search.search = Search::bounded;
+  search.budget = 3;
+  search.seconds = 2;
+  search.shards = 1;
+  search.each = nullptr;
+  Result simple = check(scenario, search);
+  const bool same = simple.finding && simple.finding->kind == result.finding->kind;
+  return same ? simple : result;
 }
 
 }  // namespace irt::checker

@@ -7,12 +7,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "stress/checker/execution.hpp"
+#include "stress/checker/replay.hpp"
 
 namespace irt::checker {
 
@@ -32,13 +34,20 @@ struct Options {
   std::uint64_t executions = ~std::uint64_t{0};  ///< at most
   double seconds = 1e9;                          ///< at most
   Limits limits{};
+  /// This one's part of the work where several share it: `shard` of `shards`, from 0.
+  unsigned shard = 0;
+  unsigned shards = 1;
+  /// Orders to weaken in the code, see Execution::weaken.
+  std::vector<std::pair<Execution::OrderSite, Order>> weakened{};
+  bool watch_orders = false;  ///< fills Result::order_sites
   /// Called after each execution that ran to its end.
   std::function<void(const Execution&)> each{};
 };
 
 struct Result {
   std::optional<Finding> finding;
-  std::vector<Step> steps;        ///< of the execution that found it
+  Schedule schedule{};  ///< of the execution that found it
+  std::vector<Execution::OrderSite> order_sites{};
   std::uint64_t executions = 0;   ///< of any outcome
   std::uint64_t complete = 0;     ///< ran to their end
   std::uint64_t blocked = 0;      ///< stopped at a wait that another execution ends
@@ -49,5 +58,14 @@ struct Result {
 };
 
 Result check(const Scenario& scenario, const Options& options);
+
+/// Repeats the execution that found something; null if it does not come out as before. The caller
+/// may look at it until the next one.
+std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& options,
+                                  const Schedule& schedule);
+
+/// An execution with the same kind of finding and as few deviations as a short search finds, or the
+/// result itself.
+Result simplest(const Scenario& scenario, const Options& options, const Result& result);
 
 }  // namespace irt::checker

@@ -72,7 +72,6 @@ Outcome Execution::run(Strategy& strategy) {
   graph_.clear();
   heap_.clear();
   steps_.clear();
-  notes_.clear();
   finding_.reset();
   froze_ = false;
   stores_ = 0;
@@ -249,7 +248,9 @@ Outcome Execution::after_threads() {
       return graph_.location(graph_.event(store).location).stores.back() == store;
     };
     if (state.wait_location != 0) {
-      const Event& last = graph_.event(graph_.thread(thread).events.back());
+      const std::vector<EventId>& events = graph_.thread(thread).events;
+      if (events.empty()) continue;
+      const Event& last = graph_.event(events.back());
       if (last.blocked && !newest(last.from)) return Outcome::blocked;
     } else {
       for (const Visit& visit : state.visits)
@@ -336,7 +337,8 @@ void Execution::check_loop(const void* pc) {
       return v.effects == state.effects &&
              graph_.location(graph_.event(v.from).location).stores.back() != v.from;
     });
-    if (stale) {
+    if (stale && !visit->refreshed) {
+      visit->refreshed = true;
       state.fresh_reads = static_cast<std::uint32_t>(state.visits.size());
       return;
     }
@@ -355,10 +357,13 @@ void Execution::note_visit(const void* pc, EventId from) {
   auto visit = std::find_if(state.visits.begin(), state.visits.end(),
                             [pc](const Visit& v) { return v.pc == pc; });
   if (visit == state.visits.end()) {
-    state.visits.push_back({pc, no_event, 0, 0, 0, false});
+    state.visits.push_back({.pc = pc});
     visit = state.visits.end() - 1;
   }
-  if (visit->from != from || visit->effects != state.effects) visit->count = 0;
+  if (visit->from != from || visit->effects != state.effects) {
+    visit->count = 0;
+    visit->refreshed = false;
+  }
   visit->hashed = loop_heads_.contains(pc);
   visit->hash = state.entry_hash;
   visit->from = from;
@@ -369,9 +374,10 @@ void Execution::note_visit(const void* pc, EventId from) {
 // --- Atomic accesses ------------------------------------------------------------------------
 
 void Execution::record(const Event& event, std::size_t choice) {
+  if (phase_ != Phase::parallel) return;
   steps_.push_back(
       {event.thread, static_cast<std::uint8_t>(event.kind), static_cast<std::uint16_t>(choice)});
-  if (phase_ == Phase::parallel) strategy_->added(*this, event);
+  strategy_->added(*this, event);
 }
 
 void Execution::widen(std::uintptr_t address, std::uint32_t size) {
@@ -518,12 +524,25 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
   }
 }
 
+Order Execution::order_at(const void* pc, bool failure, EventKind kind, Order order) {
+  if (!watches_orders_) return order;
+  auto [place, fresh] = weakened_[failure ? 1 : 0].try_emplace(pc, order);
+  if (fresh) order_sites_.push_back({pc, failure, kind, order});
+  return place->second;
+}
+
+void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) {
+  watches_orders_ = watches_orders_ || !changes.empty();
+  for (const auto& [site, order] : changes) weakened_[site.failure ? 1 : 0][site.pc] = order;
+}
+
 Value Execution::load(const Access& access) {
   if (!observed()) return Tenant::load(access);
   check_loop(access.pc);
   reach(access.address, false);
+  const Order order = order_at(access.pc, false, EventKind::load, access.order);
   return read_event(
-      {access.address, access.size, access.pc, access.order, access.order}, false,
+      {access.address, access.size, access.pc, order, order}, false,
       [](Value) { return Meaning::load; }, [](Value value) { return value; });
 }
 
@@ -531,8 +550,9 @@ Value Execution::modify(const Access& access, Operation operation, Value operand
   if (!observed()) return Tenant::modify(access, operation, operand);
   check_loop(access.pc);
   reach(access.address, true);
+  const Order order = order_at(access.pc, false, EventKind::modify, access.order);
   return read_event(
-      {access.address, access.size, access.pc, access.order, access.order}, true,
+      {access.address, access.size, access.pc, order, order}, true,
       [](Value) { return Meaning::modify; },
       [&](Value value) { return virtual_cores::apply(operation, value, operand, access.size); });
 }
@@ -545,7 +565,10 @@ bool Execution::compare_exchange(const Access& access, Order failure, bool weak,
   const bool fails = weak && limits_.weak_may_fail && other_choice(2, access.pc) != 0;
   const Value wanted = expected;
   expected = read_event(
-      {access.address, access.size, access.pc, access.order, failure}, !fails,
+      {access.address, access.size, access.pc,
+       order_at(access.pc, false, EventKind::modify, access.order),
+       order_at(access.pc, true, EventKind::modify, failure)},
+      !fails,
       [&](Value value) { return value == wanted && !fails ? Meaning::modify : Meaning::load; },
       [&](Value) { return desired; });
   return expected == wanted && !fails;
@@ -566,7 +589,9 @@ void Execution::store(const Access& access, Value value) {
         [](Value) { return Meaning::modify; }, [value](Value) { return value; });
     return;
   }
-  Event& event = graph_.begin(EventKind::store, thread, access.order, access.pc);
+  Event& event =
+      graph_.begin(EventKind::store, thread,
+                   order_at(access.pc, false, EventKind::store, access.order), access.pc);
   const std::size_t last = graph_.location(id).stores.size();
   std::size_t place = last;
   if (phase_ == Phase::parallel) {
@@ -593,7 +618,8 @@ void Execution::fence(Order order, const void* pc) {
   if (!observed()) return;
   reach(0, false);
   check_limit(pc);
-  Event& event = graph_.begin(EventKind::fence, cores_.current(), order, pc);
+  Event& event = graph_.begin(EventKind::fence, cores_.current(),
+                              order_at(pc, false, EventKind::fence, order), pc);
   graph_.finish_fence(event);
   record(event, 0);
 }

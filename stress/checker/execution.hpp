@@ -94,17 +94,19 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] bool froze() const { return froze_; }
   void report(FindingKind kind, std::string text, std::vector<const void*> places);
 
-  /// For the reader: the code's calls, kept only when asked for.
-  struct Note {
-    std::size_t event;  ///< events in the graph before it
-    unsigned thread;
-    bool write;
-    std::uintptr_t address;
-    std::size_t size;
+  /// An order in the code: where, of what, and which.
+  struct OrderSite {
     const void* pc;
+    bool failure;  ///< of a compare-exchange that fails
+    EventKind kind;
+    Order order;
   };
-  void keep_notes(bool keep) { keep_notes_ = keep; }
-  [[nodiscard]] const std::vector<Note>& notes() const { return notes_; }
+  /// Notes orders from now on.
+  void watch_orders() { watches_orders_ = true; }
+  /// The orders met since, each once.
+  [[nodiscard]] const std::vector<OrderSite>& order_sites() const { return order_sites_; }
+  /// From now on, the code's order at these places is another one.
+  void weaken(const std::vector<std::pair<OrderSite, Order>>& changes);
 
   // Tenant.
   void plain_read(std::uintptr_t address, std::size_t size, const void* pc) override;
@@ -140,6 +142,7 @@ class Execution final : public virtual_cores::Tenant {
     std::uint32_t effects = 0;
     std::uint32_t count = 0;
     bool hashed = false;
+    bool refreshed = false;  ///< one round has read only the newest stores
   };
 
   struct ThreadState {
@@ -199,6 +202,8 @@ class Execution final : public virtual_cores::Tenant {
   void explain_standstill();
   unsigned other_choice(unsigned count, const void* pc);
   void record(const Event& event, std::size_t choice);
+  bool watches_orders_ = false;
+  Order order_at(const void* pc, bool failure, EventKind kind, Order order);
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ != Phase::idle; }
 
@@ -226,8 +231,8 @@ class Execution final : public virtual_cores::Tenant {
   std::unordered_set<const void*> loop_heads_;
   std::vector<std::uint32_t> next_location_;  ///< by location: another one in the same eight bytes
   bool stack_locations_ = false;
-  std::vector<Note> notes_;
-  bool keep_notes_ = false;
+  std::vector<OrderSite> order_sites_;
+  std::unordered_map<const void*, Order> weakened_[2];  ///< of success, of failure
 };
 
 }  // namespace irt::checker

@@ -8,9 +8,21 @@
 namespace irt::checker {
 
 bool Exhaustive::begin() {
+  // While the parts share the work they take the oldest piece, so that many arise; once there are
+  // enough, each keeps its own and takes the newest, so that few do.
+  if (shared_ && work_.size() >= 32 * std::size_t{shards_}) {
+    shared_ = false;
+    std::deque<Work> mine;
+    for (std::size_t i = shard_; i < work_.size(); i += shards_)
+      mine.push_back(std::move(work_[i]));
+    work_ = std::move(mine);
+  }
   if (work_.empty()) return false;
-  current_ = std::move(work_.back());
-  work_.pop_back();
+  current_ = std::move(shared_ ? work_.front() : work_.back());
+  if (shared_)
+    work_.pop_front();
+  else
+    work_.pop_back();
   position_ = 0;
   stamp_ = 0;
   cut_ = false;

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "stress/checker/strategy.hpp"
@@ -24,7 +25,10 @@ namespace irt::checker {
 
 class Exhaustive final : public Strategy {
  public:
-  Exhaustive() : work_(1) {}
+  /// All of the work, or the `shard`-th of `shards` parts of it. Each part makes the first few
+  /// executions, which all share; only the first part counts them.
+  explicit Exhaustive(unsigned shard = 0, unsigned shards = 1)
+      : work_(1), shard_(shard), shards_(shards), shared_(shards > 1) {}
 
   bool begin() override;
   unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
@@ -37,6 +41,7 @@ class Exhaustive final : public Strategy {
   std::optional<std::size_t> planned_place(Execution& execution, Event& event,
                                            std::uint32_t location) override;
   [[nodiscard]] bool expects_more(unsigned thread) const override;
+  [[nodiscard]] bool counted_elsewhere() const override { return shared_ && shard_ != 0; }
   [[nodiscard]] bool gives_up() const override { return cut_; }
   [[nodiscard]] bool resumes_waiting() const override { return false; }
 
@@ -60,7 +65,10 @@ class Exhaustive final : public Strategy {
                std::size_t after);
   void push(const Planned& last, bool verify);
 
-  std::vector<Work> work_;
+  std::deque<Work> work_;
+  unsigned shard_;
+  unsigned shards_;
+  bool shared_;  ///< the work has not been divided yet
   Work current_;
   std::size_t position_ = 0;
   std::uint32_t stamp_ = 0;

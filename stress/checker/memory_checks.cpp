@@ -87,7 +87,6 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
 
 void Execution::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
   if (!observed() || on_own_stack(address)) return;
-  if (keep_notes_) notes_.push_back({graph_.size(), cores_.current(), false, address, size, pc});
   check_touch(address, size, false, false, pc);
 }
 
@@ -102,7 +101,6 @@ void Execution::plain_write(std::uintptr_t address, std::size_t size, const void
     return;
   }
   ++me().effects;
-  if (keep_notes_) notes_.push_back({graph_.size(), cores_.current(), true, address, size, pc});
   check_touch(address, size, true, false, pc);
 }
 

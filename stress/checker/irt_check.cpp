@@ -1,0 +1,248 @@
+// `irt check`: explores what a queue can do, and answers with a proof for the bound or with the few
+// steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "stress/checker/queue_check.hpp"
+
+namespace {
+
+namespace checker = irt::checker;
+using nlohmann::json;
+
+struct CommandLine {
+  std::string queue;
+  std::string module;
+  unsigned threads = 0;
+  unsigned operations = 1;
+  std::string strategy = "auto";
+  std::string replay;
+  std::string shard;
+  std::string json_file;
+  std::string dot_file;
+  std::vector<std::string> merge;
+  bool mutate_orders = false;
+  checker::CheckSettings settings;
+};
+
+/// The directory of this program, where the checked queues lie beside it.
+std::filesystem::path own_directory() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
+
+std::vector<std::string> queue_names() {
+  std::vector<std::string> names;
+  constexpr std::string_view prefix = "irt_checked_";
+  for (const auto& file : std::filesystem::directory_iterator(own_directory())) {
+    const std::string name = file.path().filename().string();
+    if (name.starts_with(prefix) && name.ends_with(".so"))
+      names.push_back(name.substr(prefix.size(), name.size() - prefix.size() - 3));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+[[noreturn]] void usage_error(const std::string& text) {
+  std::cerr << "irt check: " << text << '\n';
+  std::exit(2);
+}
+
+json to_json(const checker::ShapeResult& s) {
+  const checker::Result& r = s.result;
+  json j{{"shape", s.shape},           {"search", s.search},
+         {"executions", r.executions}, {"complete", r.complete},
+         {"blocked", r.blocked},       {"inconsistent", r.cut},
+         {"seconds", r.seconds},       {"finished", r.finished},
+         {"histories", s.histories},   {"assumed_waits", r.assumed_waits}};
+  if (r.finding) {
+    j["finding"] = {{"kind", name_of(r.finding->kind)}, {"report", s.report}};
+    j["schedule"] = to_string(r.schedule);
+  }
+  return j;
+}
+
+/// Adds up what the shards of one run wrote.
+int merge(const std::vector<std::string>& files) {
+  std::map<std::pair<std::string, std::string>, json> sums;
+  bool found = false;
+  for (const std::string& file : files) {
+    std::ifstream in(file);
+    const json part = json::parse(in, nullptr, false);
+    if (!in.good() && part.is_discarded()) usage_error("cannot read \"" + file + "\" as JSON");
+    for (const json& shape : part.at("shapes")) {
+      json& sum = sums[{shape.at("shape"), shape.at("search")}];
+      if (sum.is_null()) {
+        sum = shape;
+      } else {
+        for (const char* key : {"executions", "complete", "blocked", "inconsistent"})
+          sum[key] = sum[key].get<std::uint64_t>() + shape[key].get<std::uint64_t>();
+        sum["seconds"] = std::max(sum["seconds"].get<double>(), shape["seconds"].get<double>());
+        sum["finished"] = sum["finished"].get<bool>() && shape["finished"].get<bool>();
+        if (shape.contains("finding")) sum["finding"] = shape["finding"];
+      }
+      found = found || shape.contains("finding");
+    }
+  }
+  for (const auto& [key, sum] : sums)
+    fmt::print("  {:<12} {:<11} {:>10} executions  {}\n", key.first, key.second,
+               sum["executions"].get<std::uint64_t>(),
+               sum.contains("finding")       ? sum["finding"]["kind"].get<std::string>()
+               : sum["finished"].get<bool>() ? "finished"
+                                             : "not finished");
+  for (const auto& [key, sum] : sums)
+    if (sum.contains("finding")) std::cout << '\n' << sum["finding"]["report"].get<std::string>();
+  return found ? 1 : 0;
+}
+
+void prepare(CommandLine& line) {
+  checker::CheckSettings& settings = line.settings;
+  static const std::map<std::string, checker::Search> searches{
+      {"exhaustive", checker::Search::exhaustive},
+      {"bounded", checker::Search::bounded},
+      {"random", checker::Search::random},
+      {"pct", checker::Search::pct},
+      {"pos", checker::Search::pos}};
+  if (line.strategy != "auto") settings.search = searches.at(line.strategy);
+  if (line.threads != 0) {
+    std::string shape;
+    for (unsigned t = 0; t < line.threads; ++t)
+      shape += (t == 0 ? "" : "|") + std::string(line.operations, 'E') +
+               std::string(line.operations, 'D');
+    settings.shapes.push_back(shape);
+  }
+  for (const std::string& shape : settings.shapes) checker::parse_shape(shape);
+  if (!line.shard.empty()) {
+    checker::Options& options = settings.options;
+    if (std::sscanf(line.shard.c_str(), "%u/%u", &options.shard, &options.shards) != 2 ||
+        options.shard >= options.shards)
+      usage_error("--shard \"" + line.shard + "\": it is i/n with i from 0 to n - 1, as 0/4");
+    settings.progress = settings.progress && options.shard == 0;
+  }
+  if (line.module.empty()) {
+    const std::vector<std::string> names = queue_names();
+    if (std::find(names.begin(), names.end(), line.queue) == names.end())
+      usage_error(fmt::format("--queue \"{}\": no such queue; there are {}", line.queue,
+                              fmt::join(names, ", ")));
+    line.module = own_directory() / ("irt_checked_" + line.queue + ".so");
+  }
+}
+
+int run(const CommandLine& line) {
+  irt::virtual_cores::Module module(line.module);
+  const irt::QueueEntry& entry = *module.function<const irt::QueueEntry*()>("irt_queue_entry")();
+  const checker::CheckSettings& settings = line.settings;
+  std::string command = "irt check --queue " + std::string(entry.name);
+  if (line.queue.empty()) command = "irt check --module " + line.module;
+  if (settings.capacity != 2) command += fmt::format(" --capacity {}", settings.capacity);
+  if (!settings.options.limits.races) command += " --allow-races";
+  if (settings.options.limits.reuse_memory) command += " --reuse";
+  if (settings.options.limits.spurious_wakeups) command += " --spurious";
+  if (settings.options.limits.weak_may_fail) command += " --weak";
+
+  if (!line.replay.empty()) {
+    if (settings.shapes.size() != 1) usage_error("--replay needs the --shape it was found with");
+    const std::string report = checker::replay(entry, module, settings, settings.shapes.front(),
+                                               line.replay, line.dot_file);
+    if (report.empty()) {
+      std::cout << "The schedule finds nothing now: the code, its compiler or an option of the run "
+                   "(capacity, --reuse, --spurious, --weak) is not what it was.\n";
+      return 0;
+    }
+    std::cout << report;
+    return 1;
+  }
+  if (!settings.quiet) fmt::print("{}: {}\n", entry.name, entry.summary);
+  if (line.mutate_orders) {
+    const std::size_t unneeded = checker::mutate_orders(entry, module, settings);
+    fmt::print("{} orders are stronger than this battery needs.\n", unneeded);
+    return 0;
+  }
+  const checker::QueueResult result = checker::check_queue(entry, module, settings, command);
+  for (const checker::ShapeResult& shape : result.shapes)
+    if (!shape.report.empty()) std::cout << '\n' << shape.report;
+  if (!settings.quiet && !result.unseen.empty())
+    fmt::print("\nNot seen by the checker, for it is compiled code: {}\n",
+               fmt::join(result.unseen, ", "));
+  if (!line.json_file.empty()) {
+    json j{{"queue", entry.name},           {"found", result.found},
+           {"seed", settings.options.seed}, {"capacity", settings.capacity},
+           {"unseen", result.unseen},       {"shapes", json::array()}};
+    for (const checker::ShapeResult& shape : result.shapes) j["shapes"].push_back(to_json(shape));
+    std::ofstream(line.json_file) << j.dump(2) << '\n';
+  }
+  return result.found ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandLine line;
+  checker::CheckSettings& settings = line.settings;
+  CLI::App app{
+      "Explores every behaviour of a queue within a bound; docs/checker.md says what a "
+      "pass means."};
+  app.name("irt check");
+  auto* queue = app.add_option("--queue", line.queue, "a queue of `irt list`");
+  app.add_option("--module", line.module, "or a shared object made by irt_virtual_module()")
+      ->check(CLI::ExistingFile)
+      ->excludes(queue);
+  app.add_option(
+      "--shape", settings.shapes,
+      "threads as letters, e.g. EE|D|DE; E push, D pop, R pop one and push two, S signal, "
+      "W wait for it; EE:D|D pushes two first (default: a battery by the queue's claims)");
+  app.add_option("--threads", line.threads, "a shape of that many threads instead ...");
+  app.add_option("--ops", line.operations, "... each with that many pushes, then as many pops");
+  app.add_option("--strategy", line.strategy,
+                 "auto: exhaustive; where time runs out, bounded, pos and pct")
+      ->check(CLI::IsMember({"auto", "exhaustive", "bounded", "random", "pct", "pos"}))
+      ->capture_default_str();
+  app.add_option("--seconds", settings.seconds, "for each shape and search")->capture_default_str();
+  app.add_option("--executions", settings.options.executions, "at most, for each shape and search");
+  app.add_option("--budget", settings.options.budget,
+                 "deviations of the bounded search: preemptions, stale reads, ...")
+      ->capture_default_str();
+  app.add_option("--seed", settings.options.seed, "of the random searches")->capture_default_str();
+  app.add_option("--capacity", settings.capacity, "of the queue, in elements")
+      ->capture_default_str();
+  app.add_option("--replay", line.replay, "a schedule of an earlier report");
+  app.add_option("--dot", line.dot_file, "with --replay: write the execution graph for Graphviz");
+  app.add_option("--json", line.json_file, "write the results to this file");
+  app.add_option("--shard", line.shard, "i/n: the i-th of n parts of the work");
+  app.add_option("--merge", line.merge, "add up the JSON files of all shards");
+  app.add_flag("--mutate-orders", line.mutate_orders,
+               "weaken each memory order in turn and say what breaks");
+  app.add_flag("!--no-progress", settings.progress, "do not stop threads to test progress claims");
+  app.add_flag("!--allow-races", settings.options.limits.races,
+               "data races are no findings (a formal fault of some libraries)");
+  app.add_flag("--reuse", settings.options.limits.reuse_memory,
+               "a thread gets its freed memory back at once (ABA)");
+  app.add_flag("--spurious", settings.options.limits.spurious_wakeups,
+               "waits may end for no reason");
+  app.add_flag("--weak", settings.options.limits.weak_may_fail,
+               "compare_exchange_weak may fail for no reason");
+  app.add_flag("--quiet", settings.quiet, "print findings only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return 2;
+  }
+  if (!line.merge.empty()) return merge(line.merge);
+  if (line.queue.empty() && line.module.empty())
+    usage_error(
+        fmt::format("which queue? --queue takes one of {}", fmt::join(queue_names(), ", ")));
+  try {
+    prepare(line);
+    return run(line);
+  } catch (const std::exception& error) {
+    usage_error(error.what());
+  }
+}

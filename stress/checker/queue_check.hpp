@@ -1,0 +1,53 @@
+/// What `irt check` does to one queue: its battery of shapes, each as far as the time allows.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stress/checker/checker.hpp"
+#include "stress/checker/queue_client.hpp"
+
+namespace irt::checker {
+
+struct CheckSettings {
+  std::vector<std::string> shapes;  ///< empty: the battery of the queue's claims
+  std::optional<Search> search;     ///< none: exhaustive, then bounded and sampled
+  std::size_t capacity = 2;         ///< of the queue, in elements
+  double seconds = 4;               ///< for each shape and search
+  bool progress = true;             ///< stop threads to see whether others go on
+  bool quiet = false;               ///< say nothing while running
+  Options options;
+};
+
+/// What was found out about one shape.
+struct ShapeResult {
+  std::string shape;
+  std::string search;  ///< which search it was
+  Result result;
+  std::size_t histories = 0;
+  std::string report;  ///< of the finding; empty if there is none
+};
+
+struct QueueResult {
+  std::vector<ShapeResult> shapes;
+  std::vector<std::string> unseen;  ///< calls into code that the checker does not see
+  bool found = false;
+};
+
+/// Checks the queue in `module`. Stops at the first finding. `command` is how to call the tool
+/// again for this queue.
+QueueResult check_queue(const QueueEntry& entry, virtual_cores::Module& module,
+                        const CheckSettings& settings, const std::string& command);
+
+/// The report of what `schedule` does on one shape; empty if it finds nothing.
+std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
+                   const CheckSettings& settings, const std::string& shape,
+                   const std::string& schedule, const std::string& dot_file);
+
+/// Weakens each memory order of the queue in turn and prints what breaks; returns how many orders
+/// nothing in the battery needs.
+std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module,
+                          const CheckSettings& settings);
+
+}  // namespace irt::checker

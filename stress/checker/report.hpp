@@ -1,0 +1,28 @@
+/// A finding for the reader: a sentence, a column per thread, the history, how to see it again.
+#pragma once
+
+#include <string>
+
+#include "stress/checker/checker.hpp"
+#include "stress/checker/operations.hpp"
+#include "stress/checker/symbols.hpp"
+
+namespace irt::checker {
+
+/// The finding's sentence with its places as file:line.
+std::string sentence(const Finding& finding, Symbols& symbols);
+
+/// The steps of the execution that `execution` made last, as columns. Steps at places that only
+/// one thread touches are left out.
+std::string columns(const Execution& execution, const std::vector<Operation>& operations,
+                    Symbols& symbols);
+
+/// The operations as lines with their intervals to scale: the scale is steps of this execution,
+/// and only happens-before says what came first.
+std::string history(const std::vector<Operation>& operations);
+
+/// The execution's graph in the language of Graphviz: program order, reads-from, and modification
+/// order.
+std::string dot(const Execution& execution, Symbols& symbols);
+
+}  // namespace irt::checker

@@ -1,0 +1,75 @@
+#include "stress/checker/symbols.hpp"
+
+#include <array>
+#include <cstdio>
+#include <fmt/format.h>
+#include <fstream>
+#include <memory>
+
+namespace irt::checker {
+
+namespace {
+
+std::vector<std::string> output_of(const std::string& command) {
+  std::vector<std::string> lines;
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  if (pipe == nullptr) return lines;
+  std::array<char, 4096> buffer{};
+  while (std::fgets(buffer.data(), buffer.size(), pipe.get()) != nullptr) {
+    lines.emplace_back(buffer.data());
+    while (!lines.back().empty() && lines.back().back() == '\n') lines.back().pop_back();
+  }
+  return lines;
+}
+
+bool is_standard_library(const std::string& file) {
+  return file.find("/c++/") != std::string::npos || file.find("/bits/") != std::string::npos;
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
+  return result + "'";
+}
+
+}  // namespace
+
+const Line& Symbols::at(const void* pc) {
+  const auto known = lines_.find(pc);
+  if (known != lines_.end()) return known->second;
+  Line& line = lines_[pc];
+  const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(pc) - module_.load_offset();
+  if (pc == nullptr) return line;
+  // Pairs of lines, innermost first: a function, then file:line.
+  const std::vector<std::string> frames = output_of(
+      fmt::format("addr2line -Cfi -e {} {:x} 2>/dev/null", quoted(module_.file()), address - 1));
+  for (std::size_t i = 0; i + 1 < frames.size(); i += 2) {
+    const std::string& place = frames[i + 1];
+    const std::size_t colon = place.rfind(':');
+    if (colon == std::string::npos || place.starts_with("??")) continue;
+    Line frame{frames[i], place.substr(0, colon), 0, ""};
+    frame.number = static_cast<unsigned>(std::strtoul(place.c_str() + colon + 1, nullptr, 10));
+    const bool foreign = is_standard_library(frame.file);
+    if (line.file.empty() || !foreign) line = frame;
+    if (!foreign) break;
+  }
+  if (line.number == 0) return line;
+  auto [source, fresh] = sources_.try_emplace(line.file);
+  if (fresh) {
+    std::ifstream in(line.file);
+    for (std::string text; std::getline(in, text);) source->second.push_back(text);
+  }
+  if (line.number <= source->second.size()) {
+    line.text = source->second[line.number - 1];
+    line.text.erase(0, line.text.find_first_not_of(" \t"));
+  }
+  return line;
+}
+
+std::string Symbols::name(const void* pc) {
+  const Line& line = at(pc);
+  if (line.number == 0) return pc == nullptr ? "the scenario" : fmt::format("{}", pc);
+  return fmt::format("{}:{}", line.file.substr(line.file.rfind('/') + 1), line.number);
+}
+
+}  // namespace irt::checker

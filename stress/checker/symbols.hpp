@@ -1,0 +1,37 @@
+/// From return addresses of a module to lines of its source, by DWARF, when a report is written.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "stress/virtual_cores/virtual_cores.hpp"
+
+namespace irt::checker {
+
+struct Line {
+  std::string function;
+  std::string file;  ///< as the compiler was given it
+  unsigned number = 0;
+  std::string text;  ///< the line itself, without indentation; empty if it cannot be read
+};
+
+/// Asks addr2line(1), once for each address.
+class Symbols {
+ public:
+  explicit Symbols(const virtual_cores::Module& module) : module_(module) {}
+
+  /// The line of the call before `pc`: the innermost one that is not the standard library's, or
+  /// the innermost one if all are.
+  const Line& at(const void* pc);
+
+  /// "michael_scott_queue.hpp:84", or the bare address.
+  std::string name(const void* pc);
+
+ private:
+  const virtual_cores::Module& module_;
+  std::map<const void*, Line> lines_;
+  std::map<std::string, std::vector<std::string>> sources_;
+};
+
+}  // namespace irt::checker
