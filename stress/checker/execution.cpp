@@ -244,17 +244,14 @@ Outcome Execution::after_threads() {
     const ThreadState& state = states_[thread];
     if (state.done) continue;
     if (state.timed) return Outcome::blocked;
-    const auto newest = [this](EventId store) {
-      return graph_.location(graph_.event(store).location).stores.back() == store;
-    };
     if (state.wait_location != 0) {
       const std::vector<EventId>& events = graph_.thread(thread).events;
       if (events.empty()) continue;
       const Event& last = graph_.event(events.back());
-      if (last.blocked && !newest(last.from)) return Outcome::blocked;
+      if (last.blocked && !is_newest(source_of(last.from))) return Outcome::blocked;
     } else {
       for (const Visit& visit : state.visits)
-        if (visit.effects == state.effects && !newest(visit.from)) return Outcome::blocked;
+        if (visit.effects == state.effects && !is_newest(visit.from)) return Outcome::blocked;
     }
   }
   explain_standstill();
@@ -300,6 +297,7 @@ void Execution::on_failure(const std::string& what, const void* pc) {
 
 std::uint64_t Execution::hash_of_core() const {
   const virtual_cores::Registers& r = virtual_cores::registers();
+  if (r.stack_pointer == 0) return steps_.size();  // not known: like no other
   std::uint64_t hash = 0x9E3779B97F4A7C15;
   const auto mix = [&hash](std::uint64_t word) {
     hash = (hash ^ word) * 0xFF51AFD7ED558CCD;
@@ -331,11 +329,12 @@ void Execution::check_loop(const void* pc) {
     }
     certain = visit->hashed && loop_heads_.contains(pc) && visit->hash == state.entry_hash;
   }
-  if (!certain && visit->count < limits_.same_reads) return;
+  // A loop that writes may do so for a purpose, and is given more time.
+  const std::uint32_t patience = (repeats ? 1 : 4) * limits_.same_reads + visit->wait_at;
+  if (!certain && visit->count < patience) return;
   if (strategy_->resumes_waiting()) {
     const bool stale = std::any_of(state.visits.begin(), state.visits.end(), [&](const Visit& v) {
-      return v.effects == state.effects &&
-             graph_.location(graph_.event(v.from).location).stores.back() != v.from;
+      return v.effects == state.effects && !is_newest(v.from);
     });
     if (stale && !visit->refreshed) {
       visit->refreshed = true;
@@ -346,13 +345,29 @@ void Execution::check_loop(const void* pc) {
   if (!certain) {
     state.assumed = true;
     ++assumed_waits_;
-    visit->count = 0;
+    visit->wait_at = visit->count;
   }
   wait_here(0, pc);
 }
 
+// A modification that puts back what was there, as of a lock that is tried again and again, is no
+// news: the store that is meant is the one before.
+EventId Execution::source_of(EventId store) const {
+  const Event* event = &graph_.event(store);
+  while (event->reads && event->read == event->written) {
+    store = event->from;
+    event = &graph_.event(store);
+  }
+  return store;
+}
+
+bool Execution::is_newest(EventId store) const {
+  return source_of(graph_.location(graph_.event(store).location).stores.back()) == store;
+}
+
 void Execution::note_visit(const void* pc, EventId from) {
   if (phase_ != Phase::parallel) return;
+  from = source_of(from);
   ThreadState& state = me();
   auto visit = std::find_if(state.visits.begin(), state.visits.end(),
                             [pc](const Visit& v) { return v.pc == pc; });
@@ -360,8 +375,8 @@ void Execution::note_visit(const void* pc, EventId from) {
     state.visits.push_back({.pc = pc});
     visit = state.visits.end() - 1;
   }
-  if (visit->from != from || visit->effects != state.effects) {
-    visit->count = 0;
+  if (visit->from != from) {
+    visit->count = visit->wait_at = 0;
     visit->refreshed = false;
   }
   visit->hashed = loop_heads_.contains(pc);
@@ -469,7 +484,12 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
         options_.clear();
         const bool fresh = me().fresh_reads != 0;
         if (fresh) --me().fresh_reads;
-        const std::size_t lowest = fresh ? newest : graph_.lowest_readable(thread, id);
+        std::size_t lowest = fresh ? newest : graph_.lowest_readable(thread, id);
+        const auto before = std::find_if(me().visits.begin(), me().visits.end(),
+                                         [&](const Visit& v) { return v.pc == request.pc; });
+        if (before != me().visits.end() && before->count >= limits_.same_reads &&
+            graph_.event(before->from).location == id && !is_newest(before->from))
+          lowest = std::max(lowest, graph_.place_of(before->from) + 1);
         const bool verified = strategy_->wants_verified();
         for (std::size_t p = newest + 1; p-- > lowest;) {
           const Meaning meaning = decide(value_at(p));
@@ -697,6 +717,7 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
 unsigned Execution::wake(std::uintptr_t address, unsigned count, const void* pc) {
   if (!observed()) return 0;
   const std::uintptr_t sleepers = sleepers_of(address);
+  fence(Order::seq_cst, pc);
   reach(sleepers, true);
   const Value before = read_event(
       {sleepers, 16, pc, Order::acq_rel, Order::acquire}, true,

@@ -31,8 +31,9 @@ struct Scenario {
 
 struct Limits {
   std::size_t events_per_thread = 5000;  ///< more is reported as a livelock
-  /// A loop is taken to wait if it reads the same store at the same place this often.
-  unsigned same_reads = 24;
+  /// A loop is taken to wait if it reads the same store at the same place this often in a row; and
+  /// no place reads one more often while there is a newer one.
+  unsigned same_reads = 20;
   bool reuse_memory = false;      ///< a thread's freed blocks come back to it
   bool weak_may_fail = false;     ///< compare_exchange_weak fails for no reason, as a choice
   bool spurious_wakeups = false;  ///< futex and condition waits end for no reason, as a choice
@@ -140,7 +141,8 @@ class Execution final : public virtual_cores::Tenant {
     EventId from = no_event;
     std::uint64_t hash = 0;
     std::uint32_t effects = 0;
-    std::uint32_t count = 0;
+    std::uint32_t count = 0;    ///< in a row, of the same store
+    std::uint32_t wait_at = 0;  ///< that many, beyond the limit
     bool hashed = false;
     bool refreshed = false;  ///< one round has read only the newest stores
   };
@@ -193,6 +195,8 @@ class Execution final : public virtual_cores::Tenant {
   void check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                    const void* pc);
   void check_loop(const void* pc);
+  EventId source_of(EventId store) const;
+  bool is_newest(EventId store) const;
   void note_visit(const void* pc, EventId from);
   std::uint64_t hash_of_core() const;
   bool on_own_stack(std::uintptr_t address) const;

@@ -34,19 +34,29 @@ std::uintptr_t address_of(const volatile void* pointer) {
 }
 
 std::uint32_t load(const std::uint32_t& word, const void* pc) {
+  irt::virtual_cores::forget_registers();
   return static_cast<std::uint32_t>(active->load({address_of(&word), 4, Order::acquire, pc}));
 }
 void store(std::uint32_t& word, std::uint32_t value, const void* pc) {
   active->store({address_of(&word), 4, Order::release, pc}, value);
 }
 std::uint32_t add(std::uint32_t& word, std::uint32_t value, const void* pc) {
+  irt::virtual_cores::forget_registers();
   return static_cast<std::uint32_t>(
       active->modify({address_of(&word), 4, Order::acq_rel, pc}, Operation::add, value));
 }
 bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired, const void* pc) {
+  irt::virtual_cores::forget_registers();
   Value seen = expected;
   return active->compare_exchange({address_of(&word), 4, Order::acq_rel, pc}, Order::acquire, false,
                                   seen, desired);
+}
+
+// Zeroes an object that the code has made.
+template <class T>
+void clear(T& object, const void* pc) {
+  active->plain_write(address_of(&object), sizeof object, pc);
+  std::memset(&object, 0, sizeof object);
 }
 
 // How long until `deadline`; never negative, for that means forever.
@@ -163,7 +173,7 @@ struct Guard {
 // --- Mutexes and spin locks ------------------------------------------------------------------
 
 IRT_REDIRECTED int irt_vc_pthread_mutex_init(pthread_mutex_t* m, const pthread_mutexattr_t* kind) {
-  std::memset(m, 0, sizeof *m);
+  clear(*m, IRT_PC);
   int type = 0;
   if (kind != nullptr) pthread_mutexattr_gettype(kind, &type);
   mutex_of(m).kind = static_cast<std::uint32_t>(type);
@@ -203,7 +213,7 @@ IRT_REDIRECTED int irt_vc_pthread_spin_unlock(pthread_spinlock_t* s) {
 // --- Condition variables ---------------------------------------------------------------------
 
 IRT_REDIRECTED int irt_vc_pthread_cond_init(pthread_cond_t* c, const pthread_condattr_t*) {
-  std::memset(c, 0, sizeof *c);
+  clear(*c, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_cond_destroy(pthread_cond_t*) {
@@ -228,7 +238,7 @@ IRT_REDIRECTED int irt_vc_pthread_cond_broadcast(pthread_cond_t* c) {
 }
 // std::condition_variable's members that libstdc++ keeps in its shared object.
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variableC1Ev(pthread_cond_t* c) {
-  std::memset(c, 0, sizeof *c);
+  clear(*c, IRT_PC);
 }
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variableD1Ev(pthread_cond_t*) {}
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variable4waitERSt11unique_lockISt5mutexE(
@@ -245,7 +255,7 @@ IRT_REDIRECTED void irt_vc__ZNSt18condition_variable10notify_allEv(pthread_cond_
 // --- Semaphores, rw locks, barriers ----------------------------------------------------------
 
 IRT_REDIRECTED int irt_vc_sem_init(sem_t* s, int, unsigned count) {
-  std::memset(s, 0, sizeof *s);
+  clear(*s, IRT_PC);
   count_of(s) = count;
   return 0;
 }
@@ -268,7 +278,7 @@ IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
 }
 
 IRT_REDIRECTED int irt_vc_pthread_rwlock_init(pthread_rwlock_t* l, const pthread_rwlockattr_t*) {
-  std::memset(l, 0, sizeof *l);
+  clear(*l, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t*) {
@@ -307,7 +317,7 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
 
 IRT_REDIRECTED int irt_vc_pthread_barrier_init(pthread_barrier_t* b, const pthread_barrierattr_t*,
                                                unsigned count) {
-  std::memset(b, 0, sizeof *b);
+  clear(*b, IRT_PC);
   *reinterpret_cast<Barrier*>(b) = {count, 0, count};
   return 0;
 }
@@ -332,6 +342,7 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
 
 IRT_REDIRECTED int irt_vc___cxa_guard_acquire(Guard* guard) {
   active->lock(address_of(&guard->lock), IRT_PC);
+  irt::virtual_cores::forget_registers();
   if (active->load({address_of(&guard->made), 1, Order::acquire, IRT_PC}) == 0) return 1;
   active->unlock(address_of(&guard->lock), IRT_PC);
   return 0;

@@ -22,6 +22,9 @@ namespace irt::virtual_cores {
 const Registers& registers() {
   return irt_vc_registers;
 }
+void forget_registers() {
+  irt_vc_registers.stack_pointer = 0;
+}
 }  // namespace irt::virtual_cores
 
 namespace {

@@ -10,6 +10,9 @@ extern Tenant* active;
 /// The core in progress, or `host`.
 extern unsigned current_core;
 
+/// Says that the next atomic operation is the runtime's own (hooks.cpp).
+void forget_registers();
+
 // thread_local, one block per core and module (thread_locals.cpp).
 void forget_thread_locals(unsigned core);
 /// Runs the destructors of the core's thread_local objects, newest first.

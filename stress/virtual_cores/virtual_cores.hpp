@@ -129,7 +129,8 @@ struct Registers {
   std::uint64_t rbx, rbp, r12, r13, r14, r15, stack_pointer;
 };
 
-/// The registers of the atomic operation in progress.
+/// The registers of the atomic operation in progress; `stack_pointer` is 0 for one that the runtime
+/// makes on behalf of the code, as inside of pthread_rwlock_rdlock.
 const Registers& registers();
 
 /// The virtual cores. At most one object exists at a time.
