@@ -69,7 +69,7 @@ std::span<const TriangleKernelEntry> triangle_kernels();
 /// How a structure is built and traced. Of all this only the kernel has a say in the answers.
 struct AcceleratorOptions {
   TriangleKernel kernel = TriangleKernel::moller_trumbore;
-  /// Rays per packet: 1, 4, 8 or 16; 0 takes the structure's best.
+  /// Rays per packet: 1, 4, 8 or 16; 0 takes what the structure does by default.
   unsigned width = 0;
   /// The instruction set: "sse4", "avx2", "avx512"; empty takes the best that the machine has.
   std::string_view isa{};

@@ -45,7 +45,9 @@ constexpr std::array entries{
                      build_wide},
     AcceleratorEntry{"goncalves", "binary, pointers, one triangle per leaf (thesis 5.1)",
                      build<Goncalves>},
-    AcceleratorEntry{"wald", "binary, 32-byte nodes, full SAH sweep (thesis 5.2)", build<Wald>},
+    AcceleratorEntry{"wald",
+                     "binary, 32-byte nodes, full SAH sweep, packets on request (thesis 5.2)",
+                     build<Wald>},
     AcceleratorEntry{"none", "every ray meets every triangle", build<BruteForce>},
 };
 

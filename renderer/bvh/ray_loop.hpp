@@ -24,6 +24,14 @@ struct TickProbe {
   }
 };
 
+/// The probe for code that asks at run time whether there is one.
+inline TickProbe* tick_probe(NoProbe& /*none*/) {
+  return nullptr;
+}
+inline TickProbe* tick_probe(TickProbe& probe) {
+  return &probe;
+}
+
 /// Calls `trace(probe)`, under the clock where `profile` is given.
 template <class Trace>
 void with_profile(TraceProfile* profile, Trace trace) {

@@ -88,7 +88,7 @@ class SingleRayAccelerator : public Accelerator {
     }
   }
 
-  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const final {
+  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const override {
     for_each_ray<false>(rays, profile, [&](std::uint32_t lane, const Hit& hit) {
       hits.t[lane] = hit.t;
       hits.u[lane] = hit.u;
@@ -98,7 +98,7 @@ class SingleRayAccelerator : public Accelerator {
   }
 
   void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
-               TraceProfile* profile) const final {
+               TraceProfile* profile) const override {
     for_each_ray<true>(rays, profile, [&](std::uint32_t lane, const Hit& hit) {
       occluded[lane] = hit.triangle != no_triangle;
     });

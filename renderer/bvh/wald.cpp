@@ -10,8 +10,7 @@ namespace irt {
 namespace {
 
 /// No split by cost below this depth; halving adds at most 32 levels.
-constexpr int cost_depth = 60;
-constexpr int most_depth = cost_depth + 32;
+constexpr int cost_depth = wald_most_depth - 32;
 /// Larger lists are split even where a leaf would be cheaper: coincident triangles.
 constexpr std::uint32_t most_in_leaf = 16;
 /// Cost of a step down, where a triangle test costs 1.
@@ -59,12 +58,36 @@ Box bounds_of(std::span<const Reference> references) {
   return box;
 }
 
+/// Null for single rays.
+const WaldPackets* packets_for(const AcceleratorOptions& options) {
+  if (options.width <= 1) return nullptr;
+  if (options.width != 4 && options.width != 8 && options.width != 16) {
+    throw std::invalid_argument("packet width " + std::to_string(options.width) +
+                                ": 1, 4, 8 or 16 would be right, or 0 for 1");
+  }
+  const WaldPackets* const packets = wald_packets(options.isa, options.kernel, options.width);
+  if (packets == nullptr) {
+    throw std::invalid_argument("instruction set \"" + std::string(options.isa) +
+                                "\": not one of this machine; none takes the best");
+  }
+  return packets;
+}
+
+/// What concerns packets is checked by `packets_for`.
+AcceleratorOptions single_ray_part(AcceleratorOptions options) {
+  if (options.width > 1) {
+    options.width = 1;
+    options.isa = {};
+  }
+  return options;
+}
+
 }  // namespace
 
 struct Wald::Builder {
   std::vector<Reference> references;
   std::vector<float> right_area;
-  std::vector<Node>& nodes;
+  std::vector<WaldNode>& nodes;
 
   struct Open {
     std::uint32_t node;
@@ -102,9 +125,9 @@ struct Wald::Builder {
   }
 
   /// Notes along which axis the children's centres are furthest apart, and which is lower.
-  void order_children(Node& parent) const {
-    const Node& first = nodes[parent.first];
-    const Node& second = nodes[parent.first + 1];
+  void order_children(WaldNode& parent) const {
+    const WaldNode& first = nodes[parent.first];
+    const WaldNode& second = nodes[parent.first + 1];
     const Vec3 apart = (second.box_min + second.box_max) - (first.box_min + first.box_max);
     int axis = 0;
     for (int other = 1; other < 3; ++other) {
@@ -138,7 +161,7 @@ struct Wald::Builder {
 };
 
 Wald::Wald(const Mesh& mesh, const AcceleratorOptions& options)
-    : SingleRayAccelerator("wald", options) {
+    : SingleRayAccelerator("wald", single_ray_part(options)), packets_(packets_for(options)) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   if (count == 0) return;
   nodes_.reserve(count);
@@ -156,9 +179,24 @@ Wald::Wald(const Mesh& mesh, const AcceleratorOptions& options)
   }
 }
 
+void Wald::closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const {
+  if (packets_ == nullptr) return SingleRayAccelerator::closest_hit(rays, hits, profile);
+  with_profile(profile, [&](auto& probe) {
+    packets_->closest({nodes_, triangles_}, rays, hits, tick_probe(probe));
+  });
+}
+
+void Wald::any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
+                   TraceProfile* profile) const {
+  if (packets_ == nullptr) return SingleRayAccelerator::any_hit(rays, occluded, profile);
+  with_profile(profile, [&](auto& probe) {
+    packets_->any({nodes_, triangles_}, rays, occluded, tick_probe(probe));
+  });
+}
+
 template <class Kernel, bool any, class Probe>
 Hit Wald::trace(const KernelRay<Kernel>& ray, Probe& probe) const {
-  std::array<std::uint32_t, most_depth + 2> stack;
+  std::array<std::uint32_t, wald_most_depth + 2> stack;
   std::size_t pending = 0;
   Hit best = no_hit(ray);
   if (nodes_.empty()) return best;
@@ -166,7 +204,7 @@ Hit Wald::trace(const KernelRay<Kernel>& ray, Probe& probe) const {
                                              ray.direction.z < 0};
   stack[pending++] = 0;
   while (pending > 0) {
-    const Node& node = nodes_[stack[--pending]];
+    const WaldNode& node = nodes_[stack[--pending]];
     if (!slab(node.box(), ray).reaches(best.t)) continue;
     if (node.triangles > 0) {
       probe.test_begins();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "renderer/bvh/single_ray.hpp"
+#include "renderer/bvh/wald_packets.hpp"
 
 namespace irt {
 
@@ -21,40 +22,30 @@ namespace irt {
 /// along which the two are furthest apart.
 ///
 /// Below a depth that no useful tree reaches, lists are halved, which bounds it.
+///
+/// Rays walk one by one, as in the thesis, or with a packet width of 4, 8 or 16 by whole tasks: the
+/// traversal that the paper made the structure for and that the thesis left as future work.
 class Wald final : public SingleRayAccelerator<Wald> {
  public:
   Wald(const Mesh& mesh, const AcceleratorOptions& options);
+
+  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const override;
+  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
+               TraceProfile* profile) const override;
 
   template <class Kernel, bool any, class Probe>
   Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
   std::size_t memory_bytes() const override {
-    return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Leaf);
+    return nodes_.size() * sizeof(WaldNode) + triangles_.size() * sizeof(WaldTriangle);
   }
 
  private:
-  /// Listing 5.2. A node with triangles is a leaf.
-  struct Node {
-    Vec3 box_min;
-    std::uint32_t first;  ///< the first of two children, or of the triangles
-    Vec3 box_max;
-    std::uint16_t triangles;
-    std::uint8_t axis;       ///< the children are furthest apart along it
-    std::uint8_t low_child;  ///< which of them is lower there: 0 or 1
-
-    Box box() const { return {box_min, box_max}; }
-  };
-  static_assert(sizeof(Node) == 32);
-
-  /// A triangle in the order of the leaves.
-  struct Leaf {
-    Triangle corners;
-    std::uint32_t index;
-  };
   struct Builder;
 
-  std::vector<Node> nodes_;  ///< the root first, then children in pairs
-  std::vector<Leaf> triangles_;
+  const WaldPackets* packets_;   ///< null: rays walk one by one
+  std::vector<WaldNode> nodes_;  ///< the root first, then children in pairs
+  std::vector<WaldTriangle> triangles_;
 };
 
 }  // namespace irt

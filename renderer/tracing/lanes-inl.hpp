@@ -88,6 +88,8 @@ IRT_LANEWISE(Floats, operator+, Floats, hn::Add(x, y))
 IRT_LANEWISE(Floats, operator-, Floats, hn::Sub(x, y))
 IRT_LANEWISE(Floats, operator*, Floats, hn::Mul(x, y))
 IRT_LANEWISE(Floats, operator/, Floats, hn::Div(x, y))
+IRT_LANEWISE(Floats, lesser, Floats, hn::Min(x, y))   // neither is a NaN
+IRT_LANEWISE(Floats, greater, Floats, hn::Max(x, y))  // neither is a NaN
 IRT_LANEWISE(Floats, flip_sign, Floats,
              hn::Xor(x, hn::And(y, hn::SignBit(typename Floats<N>::Tag()))))
 IRT_LANEWISE(Truths, operator<, Floats, hn::Lt(x, y))
