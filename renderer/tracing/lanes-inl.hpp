@@ -73,7 +73,7 @@ struct Floats {
   }
 };
 
-// NOLINTNEXTLINE(bugprone-macro-parentheses): `result` and `operand` are templates
+// NOLINTBEGIN(bugprone-macro-parentheses): `result` and `operand` are templates.
 #define IRT_LANEWISE(result, name, operand, expression)                 \
   template <int N>                                                      \
   HWY_INLINE result<N> name(const operand<N>& a, const operand<N>& b) { \
@@ -100,6 +100,7 @@ IRT_LANEWISE(Truths, operator==, Floats, hn::Eq(x, y))
 IRT_LANEWISE(Truths, both, Truths, hn::And(x, y))
 IRT_LANEWISE(Truths, either, Truths, hn::Or(x, y))
 #undef IRT_LANEWISE
+// NOLINTEND(bugprone-macro-parentheses)
 
 template <int N>
 HWY_INLINE Floats<N> magnitude(const Floats<N>& a) {
