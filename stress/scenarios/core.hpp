@@ -91,6 +91,13 @@ class Core {
     state_.log.push_back({now, now, state_.barriers++, Kind::meet});
   }
 
+  /// Hands the queue a word that is no element, for queues that take commands; not recorded.
+  void command(Element word) {
+    enter(Kind::push);
+    queue_.push(state_.worker, word);
+    leave();
+  }
+
   /// A random number below `bound`, from the run's seed.
   std::uint64_t random(std::uint64_t bound) {
     // Steele, Lea and Flood's SplitMix (2014): one word of state, any seed will do.

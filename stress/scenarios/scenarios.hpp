@@ -22,6 +22,7 @@ struct Scenario {
   std::size_t capacity = 256;  ///< the queue's capacity hint
   unsigned generations = 1;    ///< threads that follow each other in the role of each worker
   void (*run)(Core& core) = nullptr;
+  bool drains = true;  ///< what is left is popped at the end; not where `pop` would wait for ever
 };
 
 /// The part of each worker when a queue with certain claims meets a scenario.

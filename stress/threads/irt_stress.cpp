@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "queues/registry.hpp"
-#include "stress/threads/allocator.hpp"
+#include "stress/threads/kill_matrix.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/suites.hpp"
 
@@ -32,6 +32,8 @@ struct Options {
   std::string json;
   std::string junit;
   bool list = false;
+  bool mutants = false;
+  KillOptions kill;
 };
 
 /// Input that the tool cannot use; `what()` is for the user.
@@ -187,6 +189,12 @@ int stress_queues(const Options& options) {
     list();
     return 0;
   }
+  if (options.mutants) {
+    KillOptions kill = options.kill;
+    kill.seed = options.seed;
+    kill.json = options.json;
+    return kill_mutants(kill, calibrate()) ? 0 : 1;
+  }
   QueueRegistry registry;
   for (const auto& plugin : options.plugins) registry.open(plugin);
   std::vector<const QueueEntry*> queues;
@@ -242,6 +250,12 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--sanitizer", options.sanitizer, "none, tsan or asan: must be this build's");
   app.add_option("--json", options.json, "write the results to this file");
   app.add_option("--junit", options.junit, "write JUnit XML to this file");
+  app.add_flag("--mutants", options.mutants,
+               "run queues with known bugs instead: which instrument finds which, and how soon");
+  app.add_option("--mutant", options.kill.ids, "of --mutants: only these, by id");
+  app.add_option("--runs", options.kill.runs, "of --mutants: how often each mutant runs")
+      ->capture_default_str();
+  app.add_option("--merge", options.kill.merge, "of --mutants: results of other builds (--json)");
   app.add_flag("--list", options.list, "show scenarios and suites, run nothing");
   try {
     app.parse(argc, argv);

@@ -111,7 +111,7 @@ class ScenarioRunner {
       try {
         run_team(*queue, perturbation, seed);
         interrupter_.set_active(false);
-        drain(*queue, history.drain);
+        if (scenario_.drains) drain(*queue, history.drain);
       } catch (const std::exception& error) {
         finding = Finding{.claim = "keeps its contract", .evidence = error.what(), .repeat = {}};
       }
