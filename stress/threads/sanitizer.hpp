@@ -40,4 +40,8 @@ constexpr std::string_view sanitizer_name() {
 /// Always 0 without ThreadSanitizer.
 std::uint64_t fences_executed();
 
+/// From now on ThreadSanitizer takes every atomic access of this process as acquire and release:
+/// what it still reports is a race whatever the fences do. Nothing without ThreadSanitizer.
+void strengthen_atomics();
+
 }  // namespace irt::stress
