@@ -14,7 +14,7 @@ namespace {
 std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget) {
   switch (options.search) {
     case Search::exhaustive:
-      return std::make_unique<Exhaustive>();
+      return std::make_unique<Exhaustive>(options.shard, options.shards);
     case Search::bounded:
       return std::make_unique<DepthFirst>(budget);
     case Search::random:
@@ -58,7 +58,10 @@ Result explore(const Options& options, Execution& execution) {
         result.seconds = elapsed();
         return result;
       }
-      if (outcome == Outcome::restart) strategy = make_strategy(options, budget);
+      if (outcome == Outcome::restart) {
+        strategy = make_strategy(options, budget);
+        result.complete = result.blocked = result.cut = 0;
+      }
     }
   }
   result.finished = true;

@@ -139,7 +139,8 @@ int run(const CommandLine& line) {
   const checker::CheckSettings& settings = line.settings;
   std::string command = "irt check --queue " + std::string(entry.name);
   if (line.queue.empty()) command = "irt check --module " + line.module;
-  if (settings.capacity != 2) command += fmt::format(" --capacity {}", settings.capacity);
+  if (settings.capacity != checker::CheckSettings{}.capacity)
+    command += fmt::format(" --capacity {}", settings.capacity);
   if (!settings.options.limits.races) command += " --allow-races";
   if (settings.options.limits.reuse_memory) command += " --reuse";
   if (settings.options.limits.spurious_wakeups) command += " --spurious";

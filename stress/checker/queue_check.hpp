@@ -13,7 +13,7 @@ namespace irt::checker {
 struct CheckSettings {
   std::vector<std::string> shapes;  ///< empty: the battery of the queue's claims
   std::optional<Search> search;     ///< none: exhaustive, then bounded and sampled
-  std::size_t capacity = 2;         ///< of the queue, in elements
+  std::size_t capacity = 1;         ///< of the queue, in elements
   double seconds = 4;               ///< for each shape and search
   bool progress = true;             ///< stop threads to see whether others go on
   bool quiet = false;               ///< say nothing while running

@@ -44,10 +44,10 @@ std::string to_string(const Shape& shape) {
 std::vector<std::string> battery(const Claims& claims) {
   // Pure consumers matter: a thread that has pushed before it pops has synchronised by that. The
   // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing.
-  static const std::vector<std::string> all{"E|D",      "E:D|D",    "ES|WD", "ED|ED",    "E|E|D",
-                                            "E|D|D",    "EE|DD",    "E:R|R", "EES|D|WD", "EE:DE|D",
-                                            "E:E|D|E",  "EE|D|D",   "EDD|E", "E|E|DD",   "EEE|DD",
-                                            "EE:DD|ED", "EEEE|DDDD"};
+  static const std::vector<std::string> all{
+      "E|D",    "E:D|D", "ES|WD",    "ED|ED",   "E|E|D",    "E|D|D",
+      "EE|DD",  "E:R|R", "EES|D|WD", "EE:DE|D", "EE:DD|D",  "E:E|D|E",
+      "EE|D|D", "EDD|E", "E|E|DD",   "EEE|DD",  "EE:DD|ED", "EEEE|DDDD"};
   std::vector<std::string> fitting;
   for (const std::string& text : all) {
     const Shape shape = parse_shape(text);
