@@ -137,12 +137,12 @@ class GroupTrace {
     const WideBlock* block = bvh_.blocks.data() + child.first_block();
     unsigned changed = 0;
     for (std::uint32_t first = 0; first < child.count(); first += wide_block, ++block) {
-      const BlockSeen seen(*block, bundle_.near_origin);
+      const BlockSeen<one_origin> seen(*block, bundle_.near_origin);
       BlockBoxes boxes(*block);
       const std::uint32_t count = std::min<std::uint32_t>(wide_block, child.count() - first);
       for (std::uint32_t i = 0; i < count; ++i) {
         const auto triangle = [&](const Vectors<D>& origin) HWY_ATTR {
-          return seen.template of<one_origin>(d, static_cast<int>(i), *block, origin);
+          return seen.of(d, static_cast<int>(i), *block, origin);
         };
         // With one origin this is all there is to it.
         const SeenFrom<D> shared = triangle(packets_[std::countr_zero(inside)].origin);

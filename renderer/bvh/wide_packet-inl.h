@@ -113,6 +113,7 @@ HWY_INLINE LaneSlab<D> lane_slab(D d, const PlaneDistances& distances, int i,
 }
 
 /// The part of the triangle test that rays share, for a block at once.
+template <bool one_origin>
 class BlockSeen {
   using D = hn::CappedTag<float, wide_block>;
   static constexpr int lanes = static_cast<int>(hn::MaxLanes(D()));
@@ -121,19 +122,23 @@ class BlockSeen {
   HWY_INLINE BlockSeen(const WideBlock& block, const float (&origin)[3]) {
     const D d;
     for (int i = 0; i < wide_block; i += lanes) {
-      const SeenFrom<D> seen(load(d, block.corner[0], i), load(d, block.corner[1], i),
-                             load(d, block.corner[2], i),
-                             spread(d, {origin[0], origin[1], origin[2]}));
-      store(seen.edge1, 0, i);
-      store(seen.edge2, 3, i);
-      store(seen.s, 6, i);
-      store(seen.q, 9, i);
-      hn::Store(seen.height, d, of_[12] + i);
+      const Vectors<D> a = load(d, block.corner[0], i);
+      const Vectors<D> edge1 = subtract<D>(load(d, block.corner[1], i), a);
+      const Vectors<D> edge2 = subtract<D>(load(d, block.corner[2], i), a);
+      store(edge1, 0, i);
+      store(edge2, 3, i);
+      if constexpr (one_origin) {
+        const SeenFrom<D> seen(edge1, edge2,
+                               subtract<D>(spread(d, {origin[0], origin[1], origin[2]}), a));
+        store(seen.s, 6, i);
+        store(seen.q, 9, i);
+        hn::Store(seen.height, d, of_[12] + i);
+      }
     }
   }
 
   /// Triangle `i` in all lanes of `to`, seen from the common origin or from each lane's own.
-  template <bool one_origin, class To>
+  template <class To>
   HWY_INLINE SeenFrom<To> of(To to, int i, const WideBlock& block,
                              const Vectors<To>& origin) const {
     const Vectors<To> edge1 = pick(to, 0, i), edge2 = pick(to, 3, i);
@@ -158,49 +163,7 @@ class BlockSeen {
     return {hn::Set(to, of_[row][i]), hn::Set(to, of_[row + 1][i]), hn::Set(to, of_[row + 2][i])};
   }
 
-  alignas(64) float of_[13][wide_block];
-};
-
-/// irt::padded_bounds of a block's triangles. Computed when the first of them is met: most are not.
-class BlockBoxes {
- public:
-  explicit BlockBoxes(const WideBlock& block) : block_(block) {}
-
-  const WideBlock& block() const { return block_; }
-
-  /// The corner of triangle `lane` on the given rows of WideNode::plane.
-  HWY_INLINE Vec3 corner(int lane, int row_x, int row_y, int row_z) {
-    if (!computed_) compute();
-    return {plane_[row_x][lane], plane_[row_y][lane], plane_[row_z][lane]};
-  }
-
- private:
-  HWY_INLINE void compute() {
-    using D = hn::CappedTag<float, wide_block>;
-    using V = hn::Vec<D>;
-    const D d;
-    computed_ = true;
-    for (int i = 0; i < wide_block; i += static_cast<int>(hn::MaxLanes(d))) {
-      V low[3], high[3], largest = hn::Zero(d);
-      for (int axis = 0; axis < 3; ++axis) {
-        const V a = hn::Load(d, block_.corner[0][axis] + i);
-        const V b = hn::Load(d, block_.corner[1][axis] + i);
-        const V c = hn::Load(d, block_.corner[2][axis] + i);
-        low[axis] = hn::Min(hn::Min(a, b), c);
-        high[axis] = hn::Max(hn::Max(a, b), c);
-        largest = hn::Max(largest, hn::Max(hn::Neg(low[axis]), high[axis]));
-      }
-      const V pad = hn::Mul(largest, hn::Set(d, 0x1p-22f));
-      for (int axis = 0; axis < 3; ++axis) {
-        hn::Store(hn::Sub(low[axis], pad), d, plane_[axis] + i);
-        hn::Store(hn::Add(high[axis], pad), d, plane_[axis + 3] + i);
-      }
-    }
-  }
-
-  const WideBlock& block_;
-  alignas(16) float plane_[6][wide_block];
-  bool computed_ = false;
+  alignas(64) float of_[one_origin ? 13 : 6][wide_block];
 };
 
 /// irt::meet per lane; whether any lane has a new hit.
@@ -326,12 +289,12 @@ class PacketTrace {
     const Vectors<D> origin = packet_.origin, direction = packet_.direction;
     bool changed = false;
     for (std::uint32_t first = 0; first < child.count(); first += wide_block, ++block) {
-      const BlockSeen seen(*block, bundle_.near_origin);
+      const BlockSeen<one_origin> seen(*block, bundle_.near_origin);
       BlockBoxes boxes(*block);
       const std::uint32_t count = std::min<std::uint32_t>(wide_block, child.count() - first);
       for (std::uint32_t i = 0; i < count; ++i) {
-        const KernelHit<D> hit = moller_trumbore(
-            d, seen.template of<one_origin>(d, static_cast<int>(i), *block, origin), direction);
+        const KernelHit<D> hit =
+            moller_trumbore(d, seen.of(d, static_cast<int>(i), *block, origin), direction);
         if (hn::AllFalse(d, hit.met)) continue;
         changed |= meet_lanes<any>(boxes, static_cast<int>(i), hit, bundle_, packet_);
       }

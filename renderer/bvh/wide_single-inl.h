@@ -73,6 +73,50 @@ class SingleRay {
   int near_[3];
 };
 
+/// irt::padded_bounds of a block's triangles. Computed when the first of them is met: most are not.
+class BlockBoxes {
+ public:
+  explicit BlockBoxes(const WideBlock& block) : block_(block) {}
+
+  const WideBlock& block() const { return block_; }
+
+  HWY_INLINE Box box(int lane) { return {corner(lane, 0, 1, 2), corner(lane, 3, 4, 5)}; }
+
+  /// The corner of triangle `lane` on the given rows of WideNode::plane.
+  HWY_INLINE Vec3 corner(int lane, int row_x, int row_y, int row_z) {
+    if (!computed_) compute();
+    return {plane_[row_x][lane], plane_[row_y][lane], plane_[row_z][lane]};
+  }
+
+ private:
+  HWY_INLINE void compute() {
+    using D = hn::CappedTag<float, wide_block>;
+    using V = hn::Vec<D>;
+    const D d;
+    computed_ = true;
+    for (int i = 0; i < wide_block; i += static_cast<int>(hn::MaxLanes(d))) {
+      V low[3], high[3], largest = hn::Zero(d);
+      for (int axis = 0; axis < 3; ++axis) {
+        const V a = hn::Load(d, block_.corner[0][axis] + i);
+        const V b = hn::Load(d, block_.corner[1][axis] + i);
+        const V c = hn::Load(d, block_.corner[2][axis] + i);
+        low[axis] = hn::Min(hn::Min(a, b), c);
+        high[axis] = hn::Max(hn::Max(a, b), c);
+        largest = hn::Max(largest, hn::Max(hn::Neg(low[axis]), high[axis]));
+      }
+      const V pad = hn::Mul(largest, hn::Set(d, 0x1p-22f));
+      for (int axis = 0; axis < 3; ++axis) {
+        hn::Store(hn::Sub(low[axis], pad), d, plane_[axis] + i);
+        hn::Store(hn::Add(high[axis], pad), d, plane_[axis + 3] + i);
+      }
+    }
+  }
+
+  const WideBlock& block_;
+  alignas(16) float plane_[6][wide_block];
+  bool computed_ = false;
+};
+
 /// Tests a leaf's triangles. With `any`, returns at the first hit.
 template <bool any, class Probe>
 HWY_INLINE void meet_leaf(const WideBvh& bvh, WideChild leaf, const TraversalRay& ray, Hit& best,
@@ -85,6 +129,7 @@ HWY_INLINE void meet_leaf(const WideBvh& bvh, WideChild leaf, const TraversalRay
   const WideBlock* block = bvh.blocks.data() + leaf.first_block();
   probe.test_begins();
   for (std::uint32_t first = 0; first < leaf.count(); first += wide_block, ++block) {
+    BlockBoxes boxes(*block);
     for (int i = 0; i < wide_block; i += lanes) {
       const KernelHit<D> hit =
           moller_trumbore(d, load(d, block->corner[0], i), load(d, block->corner[1], i),
@@ -97,7 +142,7 @@ HWY_INLINE void meet_leaf(const WideBvh& bvh, WideChild leaf, const TraversalRay
       hn::Store(hit.v, d, v);
       for (; met != 0; met &= met - 1) {
         const int lane = std::countr_zero(met);
-        const Interval own = slab(padded_bounds(triangle_of(*block, i + lane)), ray);
+        const Interval own = slab(boxes.box(i + lane), ray);
         meet(block->index[i + lane], {t[lane], u[lane], v[lane], 0}, own, best);
       }
       if (any && best.triangle != no_triangle) break;

@@ -116,14 +116,6 @@ HWY_INLINE KernelHit<D> moller_trumbore(D d, const Vectors<D>& a, const Vectors<
   return moller_trumbore(d, SeenFrom<D>(a, b, c, origin), direction);
 }
 
-/// A triangle of a block, for the scalar functions.
-HWY_INLINE Triangle triangle_of(const WideBlock& block, int lane) {
-  const auto corner = [&](int k) {
-    return Vec3{block.corner[k][0][lane], block.corner[k][1][lane], block.corner[k][2][lane]};
-  };
-  return {corner(0), corner(1), corner(2)};
-}
-
 }  // namespace irt::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif
