@@ -1,6 +1,7 @@
 #include "bench/tracer/frame.hpp"
 
 #include "bench/tracer/scene_rays.hpp"
+#include "renderer/tracing/stopwatch.hpp"
 #include "renderer/tracing/surface.hpp"
 
 namespace irt::bench {
@@ -54,12 +55,17 @@ void trace_tile(const Scene& scene, std::uint32_t side, std::uint32_t tile,
 }  // namespace
 
 std::vector<float> trace_frame(const Scene& scene, std::uint32_t side, const Contestant& contestant,
-                               Executor& executor) {
+                               Executor& executor, TaskTimes* times) {
   std::vector<float> image(std::size_t{side} * side);
   const std::uint32_t across = (side + tile_side - 1) / tile_side;
-  executor.for_each(std::size_t{across} * across, [&](std::size_t tile) {
+  const std::size_t tiles = std::size_t{across} * across;
+  std::span<std::uint64_t> ticks;
+  if (times != nullptr) ticks = times->add_round(tiles);
+  executor.for_each(tiles, [&](std::size_t tile) {
     thread_local Scratch scratch;
+    const std::uint64_t start = ticks_now();
     trace_tile(scene, side, static_cast<std::uint32_t>(tile), contestant, scratch, image);
+    if (times != nullptr) ticks[tile] = ticks_now() - start;
   });
   return image;
 }

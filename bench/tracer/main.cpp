@@ -41,22 +41,21 @@ class Report {
     json_["results"] = nlohmann::json::array();
   }
 
-  void build(const Scene& scene, unsigned threads, const std::string& name, const Times& times,
-             double sah_cost) {
+  void build(const Scene& scene, unsigned threads, const std::string& name,
+             const std::vector<double>& wall_ms, double sah_cost) {
     fmt::print("  build  {:<16} {} thread{}  {:8.1f} ms{}\n", name, threads,
-               threads == 1 ? " " : "s", median(times.wall),
+               threads == 1 ? " " : "s", median(wall_ms),
                sah_cost > 0 ? fmt::format("  SAH cost {:.2f}", sah_cost) : "");
     json_["builds"].push_back({{"scene", scene.name},
                                {"triangles", scene.mesh.triangles.size()},
                                {"threads", threads},
                                {"name", name},
-                               {"wall_ms", times.wall},
-                               {"cpu_ms", times.cpu},
+                               {"wall_ms", wall_ms},
                                {"sah_cost", sah_cost}});
   }
 
   void result(const Scene& scene, std::uint32_t side, unsigned threads, std::string_view kind,
-              std::uint64_t rays, const Contestant& contestant, const Times& times) {
+              std::uint64_t rays, const Contestant& contestant, const TaskTimes& times) {
     json_["results"].push_back({{"scene", scene.name},
                                 {"triangles", scene.mesh.triangles.size()},
                                 {"side", side},
@@ -64,8 +63,8 @@ class Report {
                                 {"kind", kind},
                                 {"rays", rays},
                                 {"contestant", contestant.name()},
-                                {"wall_ms", times.wall},
-                                {"cpu_ms", times.cpu}});
+                                {"busy_ms", times.busy_ms()},
+                                {"rounds_ms", times.rounds_ms()}});
   }
 
   void disagreement(RayKind kind, const Contestant& contestant, const Disagreement& found) {
@@ -94,41 +93,34 @@ class Report {
   int findings_ = 0;
 };
 
-/// What one contestant did with one picture: times by kind, the frame last.
+/// Small pictures take less time and are disturbed as often: they get more rounds.
+int rounds(const Options& options, std::uint32_t side) {
+  return options.repeats * static_cast<int>(std::clamp(1'000'000u / (side * side), 1u, 8u));
+}
+
+/// What one contestant did with one picture.
 struct Row {
-  Times kind[3], frame;
+  TaskTimes kind[3], frame;
 };
 
-double rate(std::uint64_t rays, const std::vector<double>& milliseconds) {
-  return static_cast<double>(rays) / median(milliseconds) / 1e3;
-}
-
-/// Half the range of the middle half of the values, relative to the median, in per cent.
-double spread(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const double low = values[values.size() / 4],
-               high = values[values.size() - 1 - values.size() / 4];
-  return 50 * (high - low) / median(values);
-}
-
 void print_rows(const Contestants& contestants, const std::vector<Row>& rows,
-                const std::uint64_t (&rays)[3]) {
-  fmt::print("  {:<24}{:>14}{:>14}{:>14}{:>18}\n", "Mrays/s (spread %)", "primary", "shadow",
+                const std::uint64_t (&rays)[3], unsigned threads) {
+  fmt::print("  {:<22}{:>13}{:>14}{:>14}{:>19}\n", "Mrays/s (spread %)", "primary", "shadow",
              "specular", "frame ms");
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    fmt::print("  {:<24}", contestants[i]->name());
+    fmt::print("  {:<22}", contestants[i]->name());
     for (int kind = 0; kind < 3; ++kind) {
-      fmt::print("{:>8.1f} ({:>2.0f}) ", rate(rays[kind], rows[i].kind[kind].wall),
-                 spread(rows[i].kind[kind].wall));
+      const TaskTimes& times = rows[i].kind[kind];
+      fmt::print("{:>8.1f} ({:>2.0f}) ",
+                 static_cast<double>(rays[kind]) * threads / times.busy_ms() / 1e3, times.spread());
     }
-    fmt::print("{:>10.1f} ({:>2.0f})\n", median(rows[i].frame.wall), spread(rows[i].frame.wall));
+    fmt::print("{:>11.2f} ({:>2.0f})\n", rows[i].frame.busy_ms() / threads, rows[i].frame.spread());
   }
-  // Processor time is what other programs leave alone, so the comparison rests on it.
   const auto best = [&](bool ours, const auto& of) {
     double least = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (contestants[i]->is_ours() != ours) continue;
-      const double taken = median(of(rows[i]).cpu);
+      const double taken = of(rows[i]).busy_ms();
       if (least == 0 || taken < least) least = taken;
     }
     return least;
@@ -139,10 +131,11 @@ void print_rows(const Contestants& contestants, const std::vector<Row>& rows,
     if (ours > 0 && theirs > 0) line += fmt::format("  {} {:.2f}x", name, theirs / ours);
   };
   for (int kind = 0; kind < 3; ++kind) {
-    add(name_of(static_cast<RayKind>(kind)), [kind](const Row& row) { return row.kind[kind]; });
+    add(name_of(static_cast<RayKind>(kind)),
+        [kind](const Row& row) -> const TaskTimes& { return row.kind[kind]; });
   }
-  add("frame", [](const Row& row) { return row.frame; });
-  if (!line.empty()) fmt::print("  best of ours : best of Embree, by processor time:{}\n", line);
+  add("frame", [](const Row& row) -> const TaskTimes& { return row.frame; });
+  if (!line.empty()) fmt::print("  best of Embree : best of ours{}\n", line);
 }
 
 void measure_kind(const Scene& scene, std::uint32_t side, unsigned threads, RayKind kind,
@@ -162,10 +155,9 @@ void measure_kind(const Scene& scene, std::uint32_t side, unsigned threads, RayK
     trace_all(*contestant, kind, batches, answers, executor);
     report.disagreement(kind, *contestant, compare(kind, batches, reference, answers));
   }
-  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+  for (int round = 0; round < rounds(options, side); ++round) {
     for (std::size_t i = 0; i < contestants.size(); ++i) {
-      time(rows[i].kind[static_cast<int>(kind)],
-           [&] { trace_all(*contestants[i], kind, batches, answers, executor); });
+      trace_timed(*contestants[i], kind, batches, executor, rows[i].kind[static_cast<int>(kind)]);
     }
   }
   for (std::size_t i = 0; i < contestants.size(); ++i) {
@@ -176,23 +168,16 @@ void measure_kind(const Scene& scene, std::uint32_t side, unsigned threads, RayK
 
 void measure_builds(const Scene& scene, const Options& options, Report& report) {
   for (const unsigned threads : options.threads) {
-    std::vector<std::string> names;
-    std::map<std::string, Times> times;
-    std::map<std::string, double> costs;
-    const auto note = [&](const TimedBuild& build, double cpu) {
-      if (!times.contains(build.name)) names.push_back(build.name);
-      times[build.name].wall.push_back(build.milliseconds);
-      times[build.name].cpu.push_back(cpu);
-      costs[build.name] = build.sah_cost;
-    };
+    std::vector<TimedBuild> first;
+    std::map<std::string, std::vector<double>> wall_ms;
     for (int repeat = 0; repeat < options.repeats; ++repeat) {
-      const double start = cpu_ms();
-      const TimedBuild ours = time_our_build(scene.mesh, threads);
-      note(ours, cpu_ms() - start);
-      for (const TimedBuild& build : time_embree_builds(scene.mesh, threads)) note(build, 0);
+      std::vector<TimedBuild> builds = time_embree_builds(scene.mesh, threads);
+      builds.insert(builds.begin(), time_our_build(scene.mesh, threads));
+      for (const TimedBuild& build : builds) wall_ms[build.name].push_back(build.milliseconds);
+      if (repeat == 0) first = std::move(builds);
     }
-    for (const std::string& name : names) {
-      report.build(scene, threads, name, times[name], costs[name]);
+    for (const TimedBuild& build : first) {
+      report.build(scene, threads, build.name, wall_ms[build.name], build.sah_cost);
     }
   }
 }
@@ -214,9 +199,9 @@ void measure(const Scene& scene, const Options& options, Report& report) {
         measure_kind(scene, side, threads, kind, contestants, options, executor, rows,
                      rays[static_cast<int>(kind)], report);
       }
-      for (int repeat = 0; repeat < options.repeats; ++repeat) {
+      for (int round = 0; round < rounds(options, side); ++round) {
         for (std::size_t i = 0; i < contestants.size(); ++i) {
-          time(rows[i].frame, [&] { trace_frame(scene, side, *contestants[i], executor); });
+          trace_frame(scene, side, *contestants[i], executor, &rows[i].frame);
         }
       }
       for (std::size_t i = 0; i < contestants.size(); ++i) {
@@ -224,7 +209,7 @@ void measure(const Scene& scene, const Options& options, Report& report) {
                       rows[i].frame);
       }
       fmt::print("\n  {0} x {0} pixels, {1} thread{2}\n", side, threads, threads == 1 ? "" : "s");
-      print_rows(contestants, rows, rays);
+      print_rows(contestants, rows, rays, threads);
       std::fflush(stdout);
     }
   }
@@ -233,7 +218,9 @@ void measure(const Scene& scene, const Options& options, Report& report) {
 int run(int argc, char** argv) {
   CLI::App app(
       "Times this project's structures and Embree on the same rays in one process, in turn.\n"
-      "Every hit makes a shadow ray to each light and a mirrored ray: more than a picture needs.",
+      "Every hit makes a shadow ray to each light and a mirrored ray: more than a picture needs.\n"
+      "Tasks of 256 rays are timed one by one; shown is the sum of each task's median over the\n"
+      "rounds, divided by the threads. A frame makes its rays, traces and shades them.",
       "irt bench tracer");
   Options options;
   app.add_option("--scene", options.scenes, "scenes by name or file; all built-in ones if none");
@@ -246,7 +233,8 @@ int run(int argc, char** argv) {
   app.add_option("--threads", options.threads, "numbers of threads")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));
-  app.add_option("--repeats", options.repeats, "rounds; the median is shown")
+  app.add_option("--repeats", options.repeats,
+                 "rounds of a megapixel; small pictures get up to eight times as many")
       ->check(CLI::Range(1, 1000));
   app.add_option("--json", options.json, "write every single time to this file");
   try {

@@ -3,15 +3,21 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <ctime>
+#include <numeric>
+
+#include "renderer/tracing/stopwatch.hpp"
 
 namespace irt::bench {
 namespace {
 
-double milliseconds(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+/// The lanes of one array that hold rays.
+template <class T>
+void copy(const LaneArray<T>& from, std::uint32_t lanes, LaneArray<T>& to) {
+  std::copy_n(from.data(), lanes, to.data());
+}
+
+double milliseconds(std::uint64_t ticks) {
+  return static_cast<double>(ticks) * nanoseconds_per_tick() * 1e-6;
 }
 
 bool same_bits(float a, float b) {
@@ -19,13 +25,6 @@ bool same_bits(float a, float b) {
 }
 
 }  // namespace
-
-double wall_ms() {
-  return milliseconds(CLOCK_MONOTONIC);
-}
-double cpu_ms() {
-  return milliseconds(CLOCK_PROCESS_CPUTIME_ID);
-}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -47,6 +46,60 @@ void trace_all(const Contestant& contestant, RayKind kind, std::span<const Rays>
       contestant.closest_hit(batches[i], answers[i].hits);
     }
   });
+}
+
+void trace_timed(const Contestant& contestant, RayKind kind, std::span<const Rays> batches,
+                 Executor& executor, TaskTimes& times) {
+  const std::span<std::uint64_t> ticks = times.add_round(batches.size());
+  executor.for_each(batches.size(), [&](std::size_t i) {
+    thread_local Rays rays(tile_rays);
+    thread_local Answers answers(tile_rays);
+    const Rays& batch = batches[i];
+    rays.size = batch.size;
+    copy(batch.origin_x, batch.size, rays.origin_x);
+    copy(batch.origin_y, batch.size, rays.origin_y);
+    copy(batch.origin_z, batch.size, rays.origin_z);
+    copy(batch.direction_x, batch.size, rays.direction_x);
+    copy(batch.direction_y, batch.size, rays.direction_y);
+    copy(batch.direction_z, batch.size, rays.direction_z);
+    copy(batch.t_max, batch.size, rays.t_max);
+    const std::uint64_t start = ticks_now();
+    if (kind == RayKind::shadow) {
+      contestant.any_hit(rays, {answers.occluded.data(), rays.size});
+    } else {
+      contestant.closest_hit(rays, answers.hits);
+    }
+    ticks[i] = ticks_now() - start;
+  });
+}
+
+std::span<std::uint64_t> TaskTimes::add_round(std::size_t tasks) {
+  return rounds_.emplace_back(tasks);
+}
+
+double TaskTimes::busy_ms() const {
+  double sum = 0;
+  for (std::size_t task = 0; task < rounds_.front().size(); ++task) {
+    std::vector<double> taken;
+    for (const auto& round : rounds_) taken.push_back(milliseconds(round[task]));
+    sum += median(std::move(taken));
+  }
+  return sum;
+}
+
+std::vector<double> TaskTimes::rounds_ms() const {
+  std::vector<double> sums;
+  for (const auto& round : rounds_) {
+    sums.push_back(milliseconds(std::accumulate(round.begin(), round.end(), std::uint64_t{0})));
+  }
+  return sums;
+}
+
+double TaskTimes::spread() const {
+  std::vector<double> sums = rounds_ms();
+  std::sort(sums.begin(), sums.end());
+  const double low = sums[sums.size() / 4], high = sums[sums.size() - 1 - sums.size() / 4];
+  return 50 * (high - low) / median(sums);
 }
 
 Disagreement compare(RayKind kind, std::span<const Rays> batches,

@@ -11,18 +11,27 @@
 
 namespace irt::bench {
 
-/// How long something took, each in milliseconds.
-struct Times {
-  std::vector<double> wall;
-  std::vector<double>
-      cpu;  ///< of all threads; what other programs take of the machine is not in it
-};
-
 double median(std::vector<double> values);
 
-/// Calls `run` and adds what it takes.
-template <class Run>
-void time(Times& times, const Run& run);
+/// How long the tasks of several rounds took.
+///
+/// Every task is timed on its own and the median is taken task by task: what another program or an
+/// interrupt takes of the machine falls on some tasks of some rounds and drops out.
+class TaskTimes {
+ public:
+  /// A round of `tasks` tasks; task i writes its ticks to the i-th element.
+  std::span<std::uint64_t> add_round(std::size_t tasks);
+
+  /// The sum of the tasks' medians in milliseconds of one thread.
+  double busy_ms() const;
+  /// The sum of each round, disturbances included.
+  std::vector<double> rounds_ms() const;
+  /// By how much rounds differ: half the range of their middle half in per cent of their median.
+  double spread() const;
+
+ private:
+  std::vector<std::vector<std::uint64_t>> rounds_;
+};
 
 /// What becomes of a batch.
 struct Answers {
@@ -35,6 +44,12 @@ struct Answers {
 void trace_all(const Contestant& contestant, RayKind kind, std::span<const Rays> batches,
                std::span<Answers> answers, Executor& executor);
 
+/// The same for the time it takes: a round of `times`. Each batch is copied to the same place
+/// before its clock starts and the answers stay where they are: in the renderer, too, rays are
+/// traced as soon as they are made, and memory would otherwise take half of the time.
+void trace_timed(const Contestant& contestant, RayKind kind, std::span<const Rays> batches,
+                 Executor& executor, TaskTimes& times);
+
 /// How the answers of a contestant differ from those of another.
 struct Disagreement {
   std::uint64_t rays = 0;
@@ -45,16 +60,5 @@ struct Disagreement {
 
 Disagreement compare(RayKind kind, std::span<const Rays> batches,
                      std::span<const Answers> reference, std::span<const Answers> answers);
-
-double wall_ms();
-double cpu_ms();
-
-template <class Run>
-void time(Times& times, const Run& run) {
-  const double wall = wall_ms(), cpu = cpu_ms();
-  run();
-  times.cpu.push_back(cpu_ms() - cpu);
-  times.wall.push_back(wall_ms() - wall);
-}
 
 }  // namespace irt::bench
