@@ -53,6 +53,17 @@ struct OverheadOptions {
 };
 int overhead(OverheadOptions options);
 
+/// `irt collide`: the engine's other application, a cloud of particles in a scene.
+struct CollideOptions {
+  WorkloadOptions workload;
+  std::string queue;     ///< empty: the first
+  unsigned threads = 0;  ///< 0: as many as the machine has
+  unsigned frames = 10;
+  std::uint32_t particles = 100'000;
+  std::filesystem::path json;
+};
+int collide(CollideOptions options, const QueueRegistry& queues);
+
 /// `threads`, or as many as the machine has where it is 0. Throws UsageError above `max_threads`.
 unsigned settle_threads(unsigned threads);
 

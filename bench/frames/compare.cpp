@@ -152,7 +152,10 @@ class Comparison {
 
     Workload workload(plan_.workload);
     first_frame(workload, file);
-    if (!journal_) return exit_interrupted;
+    if (!journal_) {
+      fmt::print(stderr, "irt: interrupted before anything was measured\n");
+      return exit_interrupted;
+    }
     sweep(workload);
     return report();
   }

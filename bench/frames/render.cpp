@@ -42,7 +42,10 @@ int render(RenderOptions options, const QueueRegistry& queues) {
     if (counted) progress.step();
     progress.show("rendering");
   });
-  if (sample.seconds.empty()) return exit_interrupted;
+  if (sample.seconds.empty()) {
+    fmt::print(stderr, "irt: interrupted before anything was measured\n");
+    return exit_interrupted;
+  }
   const double traverse = options.plain ? 0 : traverse_share(workload, queue, threads, cancel);
 
   const Background background{.workload = workload.options(),

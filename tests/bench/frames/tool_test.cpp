@@ -87,9 +87,9 @@ TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--frame-buffer", "fixedpoint"}, "fixed-point");
   expect_one_line({"render", "--termination", "leave-when-emtpy"}, "leave-when-empty");
   expect_one_line({"render", "--scene", "offise"}, "office");
-  expect_one_line({"render", "--threads", "0"}, "from 1 to 1024");
-  expect_one_line({"render", "--threads", "100000"}, "from 1 to 1024");
-  expect_one_line({"render", "--threads", "-1"}, "--threads");
+  expect_one_line({"render", "--threads", "0"}, "1 to 1024");
+  expect_one_line({"render", "--threads", "100000"}, "1 to 1024");
+  expect_one_line({"render", "--threads", "-1"}, "1 to 1024");
   expect_one_line({"render", "--threads", "two"}, "--threads");
   expect_one_line({"render", "--size", "0x0"}, "width");
   expect_one_line({"render", "--size", "1000000x1000000"}, "width");
@@ -104,7 +104,7 @@ TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--nonsense"}, "--nonsense");
   expect_one_line({"render", "--plugin", "/no/such.so"}, "/no/such.so");
   expect_one_line({"render", "--plugin", IRT_FRAMES}, IRT_FRAMES);
-  expect_one_line({"compare", "--threads", "1,0"}, "from 1 to 1024");
+  expect_one_line({"compare", "--threads", "1,0"}, "1 to 1024");
   expect_one_line({"compare", "--queue", "lock,lokal"}, "local");
   expect_one_line({"compare", "--resume", "--out", "/no/such/place"}, "--resume");
 }
@@ -182,6 +182,20 @@ TEST(Tool, EveryChoiceOfTheListCanBeRendered) {
     }
   }
   EXPECT_GE(choices, 12);
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST(Tool, ParticlesCollideAlikeForEveryQueue) {
+  const TemporaryDirectory directory;
+  std::set<std::string> hashes;
+  for (const char* queue : {"lock", "local", "lfree"}) {
+    Tool tool({"collide", "--scene", "office", "--queue", queue, "--threads", "3", "--particles",
+               "2000", "--frames", "2", "--json", directory / "a.json"});
+    EXPECT_EQ(tool.wait(), 0) << tool.err();
+    const auto run = json_of(directory / "a.json").at(0);
+    EXPECT_GT(run["collisions"], 100);
+    hashes.insert(run["contacts_hash"].get<std::string>());
+  }
   EXPECT_EQ(hashes.size(), 1u);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/engine/engine.hpp"
+#include "renderer/scene/scenes.hpp"
 #include "renderer/tracing/surface.hpp"
 #include "tests/renderer/engine/brute_force.hpp"
 #include "tests/renderer/engine/test_queues.hpp"
@@ -85,6 +86,24 @@ TEST(Collision, NothingLeavesAClosedBox) {
   CollisionQuery query(mesh, particles, 256, 16);
   make_engine({}, queue_entry<PlainQueue>("plain"), accelerator)->run(query);
   for (const Contacts& contacts : query.contacts()) ASSERT_EQ(contacts.count, 16u);
+}
+
+TEST(Collision, TheSceneOfThePictureServesAsWell) {
+  // The same cloud through the default structure and through every triangle.
+  const Scene scene = built_in_scenes().front().make();
+  const auto particles = particle_cloud(scene.mesh, 400, 3);
+  const auto fast = accelerators().front().build(scene.mesh);
+  const BruteForce every_triangle(scene.mesh);
+  CollisionQuery query(scene.mesh, particles, 32);
+  make_engine({.threads = 3, .rays_per_task = 32}, queue_entry<PlainQueue>("plain"), *fast)
+      ->run(query);
+  EXPECT_GT(query.total(), 20u);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Hit hit = every_triangle.trace({particles[i].position, particles[i].velocity, 1});
+    EXPECT_EQ(query.contacts()[i].first, hit.triangle);
+    if (hit.triangle == no_triangle) continue;
+    EXPECT_NEAR(query.contacts()[i].time, hit.t, 1e-5);
+  }
 }
 
 }  // namespace

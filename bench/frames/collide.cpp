@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include "bench/conditions/conditions.hpp"
+#include "bench/frames/commands.hpp"
+#include "bench/frames/files.hpp"
+#include "bench/frames/interrupt.hpp"
+#include "bench/frames/summary.hpp"
+#include "renderer/engine/collision.hpp"
+
+namespace irt {
+namespace {
+
+// Of every particle's count, first triangle and time of contact.
+std::string hash_of(const std::vector<Contacts>& contacts) {
+  std::uint64_t state = fnv1a({});
+  for (const Contacts& one : contacts) {
+    const std::uint32_t words[] = {one.count, one.first, std::bit_cast<std::uint32_t>(one.time)};
+    for (const std::uint32_t word : words) {
+      for (int shift = 0; shift < 32; shift += 8) {
+        const auto byte = static_cast<std::uint8_t>(word >> shift);
+        state = fnv1a({&byte, 1}, state);
+      }
+    }
+  }
+  return fmt::format("{:016x}", state);
+}
+
+}  // namespace
+
+int collide(CollideOptions options, const QueueRegistry& queues) {
+  const QueueEntry& queue =
+      options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
+  check(options.workload);
+  if (!options.json.empty()) require_writable(options.json);
+  const std::atomic<bool>& cancel = watch_for_interrupt();
+  const Workload workload(options.workload);
+  EngineOptions engine_options = workload.engine_options(settle_threads(options.threads));
+  engine_options.cancel = &cancel;
+  const auto engine = make_engine(engine_options, queue, workload.accelerator());
+  constexpr std::uint64_t seed = 1;
+  CollisionQuery query(workload.scene().mesh,
+                       particle_cloud(workload.scene().mesh, options.particles, seed),
+                       engine_options.rays_per_task);
+
+  std::vector<double> seconds;
+  std::uint64_t rays = 0;
+  for (unsigned frame = 0; frame <= options.frames; ++frame) {  // the first warms up
+    const FrameStats stats = engine->run(query);
+    if (cancel) return exit_interrupted;
+    rays = stats.rays();
+    if (frame > 0) seconds.push_back(stats.seconds());
+  }
+  const double median = quantile(seconds, 0.5);
+  const std::string hash = hash_of(query.contacts());
+  fmt::print(
+      "{}: {} particles, {} collisions, {:.2f} ms per frame, {:.3f} million rays/s, hash {}\n",
+      workload.options().scene, options.particles, query.total(), 1e3 * median,
+      static_cast<double>(rays) / median / 1e6, hash);
+  if (!options.json.empty()) {
+    const nlohmann::ordered_json runs{
+        {{"scene", workload.options().scene},
+         {"triangles", workload.scene().mesh.triangles.size()},
+         {"queue", queue.name},
+         {"threads", engine_options.threads},
+         {"bvh", workload.options().bvh},
+         {"termination", workload.options().termination},
+         {"task_size", workload.options().task_size},
+         {"particles", options.particles},
+         {"collisions", query.total()},
+         {"frames", options.frames},
+         {"fps", 1 / median},
+         {"fps_lower_quartile", 1 / quantile(seconds, 0.75)},
+         {"fps_upper_quartile", 1 / quantile(seconds, 0.25)},
+         {"rays_per_second", static_cast<double>(rays) / median},
+         {"contacts_hash", hash},
+         {"conditions", conditions(engine->pinned() ? "one thread per core" : "none")}}};
+    write_text(options.json, runs.dump(2) + '\n');
+  }
+  return 0;
+}
+
+}  // namespace irt
