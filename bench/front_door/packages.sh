@@ -14,15 +14,16 @@ declare -A package_purpose=(
   [libtinyobjloader-dev]='reads OBJ scenes'
   [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
-  [libboost-context-dev]='fibers: the virtual cores of the stress tests'
+  [libboost-context-dev]='fibers: the virtual cores of irt check'
   [clang]='compiles with a second compiler; fuzzers'
   [libclang-rt-dev]='libFuzzer, for the fuzzers'
   [clang-format]='checks the formatting'
   [clang-tidy]='checks the source for known mistakes'
 )
 packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libhwloc-dev
-  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev)
-packages_test=("${packages_tools[@]}" libgtest-dev libboost-context-dev)
+  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev
+  libboost-context-dev)
+packages_test=("${packages_tools[@]}" libgtest-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev)
 packages_format=(clang-format)
 packages_tidy=("${packages_full[@]}" clang-tidy)

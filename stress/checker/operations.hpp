@@ -26,7 +26,7 @@ struct Operation {
   bool answered = false;  ///< what the call returned
   bool finished = false;  ///< whether it returned at all
   std::uint64_t value = 0;
-  Clock called{};  ///< what happens before the call
+  Clock called{};              ///< what happens before the call
   std::uint16_t returned = 0;  ///< the moment of its thread at which it returned
   std::size_t first_step = 0;  ///< steps of the execution before the call
   std::size_t last_step = 0;   ///< and before the return
