@@ -92,7 +92,7 @@ TEST(Collision, TheSceneOfThePictureServesAsWell) {
   // The same cloud through the default structure and through every triangle.
   const Scene scene = built_in_scenes().front().make();
   const auto particles = particle_cloud(scene.mesh, 400, 3);
-  const auto fast = accelerators().front().build(scene.mesh);
+  const auto fast = accelerators().front().build(scene.mesh, {});
   const BruteForce every_triangle(scene.mesh);
   CollisionQuery query(scene.mesh, particles, 32);
   make_engine({.threads = 3, .rays_per_task = 32}, queue_entry<PlainQueue>("plain"), *fast)
