@@ -22,7 +22,6 @@ enum class LinkedBug {
   late_value,        ///< M04: the value is read after the move, when the node is not protected
   relaxed_publish,   ///< M05: the node is linked with a relaxed compare-and-swap
   acquire_head,      ///< M07: the head moves with acquire only
-  no_help,           ///< M09: the head may pass the tail, which then names a retired node
   hazard_release,    ///< M11: the hazard pointer is a release store: the re-read may overtake it
   scan_unordered,    ///< M11b: the scan's loads are not ordered after the unlinking
   scan_only_active,  ///< M12: the scan skips threads whose flag, set after the hazard, is off
@@ -87,7 +86,7 @@ struct Linked {
           clear(worker);
           return false;
         }
-        if (bug != LinkedBug::no_help && first == last) {
+        if (first == last) {
           tail_.compare_exchange_strong(last, next);
           continue;
         }

@@ -57,6 +57,11 @@ Mutant linked(std::string_view id, std::string_view defect, std::uint8_t seen,
   return mutant<Linked<bug>::template Queue, Linked<LinkedBug::none>::template Queue>(
       id, defect, usual("mpmc"), seen, needs);
 }
+template <RecycledBug bug>
+Mutant recycled(std::string_view id, std::string_view defect, const Scenario& scenario) {
+  return mutant<Recycled<bug>::template Queue, Recycled<RecycledBug::none>::template Queue>(
+      id, defect, scenario, by_oracles);
+}
 template <ParkingBug bug>
 Mutant parking(std::string_view id, std::string_view defect, const Scenario& scenario) {
   return mutant<Parking<bug>::template Queue, Parking<ParkingBug::none>::template Queue>(
@@ -88,13 +93,13 @@ const auto& all() {
   static const std::array table{
       linked<LinkedBug::delete_now>("m01", "sentinel deleted right after the head moved",
                                     by_tsan | by_asan),
-      mutant<Recycled<false>::Queue, Recycled<true>::Queue>(
-          "m02", "recycled nodes without counters: ABA", usual("roles"), by_oracles),
+      recycled<RecycledBug::uncounted>("m02", "recycled nodes without counters: ABA",
+                                       usual("roles")),
       linked<LinkedBug::late_value>("m04", "value read after the head moved", by_tsan | by_asan),
       linked<LinkedBug::relaxed_publish>("m05", "node published with relaxed order", by_tsan),
       linked<LinkedBug::acquire_head>("m07", "head moved with acquire only", by_tsan),
-      linked<LinkedBug::no_help>("m09", "retires a node that the tail still names",
-                                 by_tsan | by_asan),
+      recycled<RecycledBug::no_help>("m09", "recycles a node that the tail still names",
+                                     usual("mpmc")),
       linked<LinkedBug::hazard_release>(
           "m11", "hazard pointer published with release only", by_none,
           "store-load reordering in a window of nanoseconds: too rare "

@@ -11,9 +11,13 @@
 
 namespace irt::stress {
 
-/// `counted` is the healthy twin; without, M02: a delayed compare-and-swap takes a recycled node
-/// for the one it read (ABA).
-template <bool counted>
+enum class RecycledBug {
+  none,
+  uncounted,  ///< M02: a delayed compare-and-swap takes a recycled node for the one it read (ABA)
+  no_help,    ///< M09: the head may pass the tail, which then names a node that is used again
+};
+
+template <RecycledBug bug>
 struct Recycled {
   template <class T>
   class Queue {
@@ -59,7 +63,7 @@ struct Recycled {
         const Word next = pointer(first)->next;
         if (first != head_) continue;
         if (pointer(next) == nullptr) return false;
-        if (pointer(first) == pointer(last)) {
+        if (bug != RecycledBug::no_help && pointer(first) == pointer(last)) {
           tail_.compare_exchange_strong(last, word(pointer(next), tag(last) + 1));
           continue;
         }
@@ -82,7 +86,7 @@ struct Recycled {
     };
 
     static Word word(Node* node, Word tag) {
-      return reinterpret_cast<Word>(node) | (counted ? tag << tag_shift : 0);
+      return reinterpret_cast<Word>(node) | (bug == RecycledBug::uncounted ? 0 : tag << tag_shift);
     }
     static Node* pointer(Word w) {
       // A counted pointer: the lower 48 bits are the address.

@@ -118,8 +118,7 @@ void judge_end(Listener& listener, int status, const std::string& errors) {
   const int code = WEXITSTATUS(status);
   if (code == 0 || !result.findings.empty()) return;
   if (sanitizer == Sanitizer::thread && errors.find("ThreadSanitizer") != std::string::npos) {
-    const std::uint64_t fences = result.figures.value("fences", std::uint64_t{0});
-    if (fences > 0 && !result.figures.contains("strengthened") &&
+    if (fences_executed() > 0 && !result.figures.contains("strengthened") &&
         errors.find("data race") != std::string::npos) {
       result.figures["unjudged_report"] = errors;
       return;
@@ -172,6 +171,7 @@ void run_in_child(Result& result, double seconds, double patience,
   std::array<int, 2> line{};
   if (pipe(line.data()) != 0) throw std::runtime_error("no pipe to a child process: out of files");
   const int errors = memfd_create("stress-errors", 0);
+  forget_fences();
   std::fflush(nullptr);  // or both of us write what is in the buffers
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("no child process: the system refuses to fork");

@@ -133,7 +133,7 @@ class Session {
   /// more with every atomic taken as acquire and release. A race that stays is one.
   static void look_again(Result& result, const Assignment& assignment, const Job& job,
                          const std::function<void(std::uint64_t)>& progress) {
-    const std::uint64_t fences = result.figures["fences"];
+    const std::uint64_t fences = fences_executed();
     result.figures["strengthened"] = true;
     run_in_child(
         result, assignment.seconds, 30,

@@ -1,6 +1,6 @@
 #include "stress/threads/sanitizer.hpp"
 
-#include <atomic>
+#include <sys/mman.h>
 
 // NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming)
 // Options that make the first report end the process with an exit code of its own. The names are
@@ -19,11 +19,20 @@ extern "C" const char* __ubsan_default_options() {
 }
 
 namespace {
-std::atomic<std::uint64_t> fences{0};
+/// In memory that parent and children share: a child that ThreadSanitizer ends can say no more.
+std::uint64_t* const fences = [] {
+  void* page = mmap(nullptr, sizeof(std::uint64_t), PROT_READ | PROT_WRITE,
+                    MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  static std::uint64_t own = 0;
+  return page == MAP_FAILED ? &own : static_cast<std::uint64_t*>(page);
+}();
 }  // namespace
 
 std::uint64_t irt::stress::fences_executed() {
-  return fences.load(std::memory_order_relaxed);
+  return __atomic_load_n(fences, __ATOMIC_RELAXED);
+}
+void irt::stress::forget_fences() {
+  __atomic_store_n(fences, 0, __ATOMIC_RELAXED);
 }
 
 #if defined(__SANITIZE_THREAD__)
@@ -33,7 +42,7 @@ extern "C" void __real___tsan_atomic_thread_fence(int order);
 extern "C" void __wrap___tsan_atomic_thread_fence(int order);
 extern "C" __attribute__((no_sanitize("thread"))) void __wrap___tsan_atomic_thread_fence(
     int order) {
-  __atomic_fetch_add(reinterpret_cast<std::uint64_t*>(&fences), 1, __ATOMIC_RELAXED);
+  if (fences != nullptr) __atomic_fetch_add(fences, 1, __ATOMIC_RELAXED);
   __real___tsan_atomic_thread_fence(order);
 }
 #endif

@@ -36,9 +36,10 @@ constexpr std::string_view sanitizer_name() {
   return "?";
 }
 
-/// How many fences the calling process has executed that ThreadSanitizer does not understand.
-/// Always 0 without ThreadSanitizer.
+/// How many fences this process and its children have executed, since `forget_fences`, that
+/// ThreadSanitizer does not understand. Always 0 without ThreadSanitizer.
 std::uint64_t fences_executed();
+void forget_fences();
 
 /// From now on ThreadSanitizer takes every atomic access of this process as acquire and release:
 /// what it still reports is a race whatever the fences do. Nothing without ThreadSanitizer.

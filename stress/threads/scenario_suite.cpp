@@ -11,10 +11,6 @@
 #include "stress/threads/thread_core.hpp"
 #include "stress/threads/watchdog.hpp"
 
-#if defined(__SANITIZE_THREAD__)
-#include <sanitizer/common_interface_defs.h>
-#endif
-
 namespace irt::stress {
 namespace {
 
@@ -265,18 +261,10 @@ void tell_figures(const Verdict& sums, const Claims& claims, Messenger& messenge
   }
 }
 
-#if defined(__SANITIZE_THREAD__)
-Messenger* last_messenger = nullptr;
-#endif
-
 }  // namespace
 
 void run_scenario(const Assignment& assignment, const Scenario& scenario, Messenger& messenger) {
   install_signals();
-#if defined(__SANITIZE_THREAD__)
-  last_messenger = &messenger;
-  __sanitizer_set_death_callback([] { last_messenger->figure("fences", fences_executed()); });
-#endif
   const auto start = Clock::now();
   const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   std::uint64_t rounds = 0;
