@@ -37,6 +37,7 @@ Result explore(const Options& options, Execution& execution) {
   Result result;
   std::uint64_t made = 0;
   const unsigned last_budget = options.search == Search::bounded ? options.budget : 0;
+  bool left_out = false;
   for (unsigned budget = 0; budget <= last_budget; ++budget) {
     auto strategy = make_strategy(options, budget);
     while (strategy->begin()) {
@@ -63,8 +64,9 @@ Result explore(const Options& options, Execution& execution) {
         result.complete = result.blocked = result.cut = 0;
       }
     }
+    left_out = left_out || strategy->left_out();
   }
-  result.finished = true;
+  result.finished = !left_out;
   result.seconds = elapsed();
   return result;
 }

@@ -30,7 +30,7 @@ struct Scenario {
 };
 
 struct Limits {
-  std::size_t events_per_thread = 5000;  ///< more is reported as a livelock
+  std::size_t events_per_thread = 500;  ///< more is reported as a livelock
   /// A loop is taken to wait if it reads the same store at the same place this often in a row; and
   /// no place reads one more often while there is a newer one.
   unsigned same_reads = 20;

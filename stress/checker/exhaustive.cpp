@@ -23,6 +23,7 @@ bool Exhaustive::begin() {
     work_.pop_front();
   else
     work_.pop_back();
+  planned_ -= std::min(planned_, current_.plan.size());
   position_ = 0;
   stamp_ = 0;
   cut_ = false;
@@ -56,10 +57,20 @@ std::optional<std::size_t> Exhaustive::planned_place(Execution& execution, Event
   return event.kind == EventKind::store ? place + 1 : place;
 }
 
+void Exhaustive::add(Work work) {
+  constexpr std::size_t most = 20'000'000;  // half a gigabyte
+  if (planned_ > most) {
+    left_out_ = true;
+    return;
+  }
+  planned_ += work.plan.size();
+  work_.push_back(std::move(work));
+}
+
 void Exhaustive::push(const Planned& last, bool verify) {
   Work work{trace_, verify};
   work.plan.push_back(last);
-  work_.push_back(std::move(work));
+  add(std::move(work));
 }
 
 std::size_t Exhaustive::choose_read(Execution& execution, Event& event, std::uint32_t location,
@@ -268,7 +279,7 @@ void Exhaustive::revisit(const Execution& execution, const Event& store, std::ui
                            .read_stamp = read.read_stamp,
                            .thread = read.thread,
                            .fresh = true});
-      work_.push_back(std::move(work));
+      add(std::move(work));
     };
     Planned made{
         .read_stamp = store.read_stamp, .write_stamp = store.write_stamp, .thread = store.thread};

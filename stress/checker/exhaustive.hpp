@@ -41,6 +41,7 @@ class Exhaustive final : public Strategy {
   std::optional<std::size_t> planned_place(Execution& execution, Event& event,
                                            std::uint32_t location) override;
   [[nodiscard]] bool expects_more(unsigned thread) const override;
+  [[nodiscard]] bool left_out() const override { return left_out_; }
   [[nodiscard]] bool counted_elsewhere() const override { return shared_ && shard_ != 0; }
   [[nodiscard]] bool gives_up() const override { return cut_; }
   [[nodiscard]] bool resumes_waiting() const override { return false; }
@@ -64,10 +65,13 @@ class Exhaustive final : public Strategy {
   void revisit(const Execution& execution, const Event& store, std::uint32_t location,
                std::size_t after);
   void push(const Planned& last, bool verify);
+  void add(Work work);
 
   std::deque<Work> work_;
   unsigned shard_;
   unsigned shards_;
+  std::size_t planned_ = 0;  ///< events in all plans, which bounds memory
+  bool left_out_ = false;
   bool shared_;  ///< the work has not been divided yet
   Work current_;
   std::size_t position_ = 0;

@@ -10,15 +10,20 @@ Shape parse_shape(std::string_view text) {
   std::string_view rest = text;
   const auto check = [text](std::string_view part) {
     for (const char letter : part)
-      if (std::string_view("EDRSW").find(letter) == std::string_view::npos)
-        throw std::invalid_argument("shape \"" + std::string(text) + "\": '" + letter +
-                                    "' is no step; steps are E D R S W, threads are parted by '|', "
-                                    "a prologue ends with ':'");
+      if (std::string_view("EDRSWC").find(letter) == std::string_view::npos)
+        throw std::invalid_argument(
+            "shape \"" + std::string(text) + "\": '" + letter +
+            "' is no step; steps are E D R S W C, threads are parted by '|', "
+            "a prologue ends with ':'");
     return std::string(part);
   };
   if (const auto colon = rest.find(':'); colon != std::string_view::npos) {
     shape.prologue = check(rest.substr(0, colon));
     rest.remove_prefix(colon + 1);
+  }
+  if (const auto semicolon = rest.find(';'); semicolon != std::string_view::npos) {
+    shape.epilogue = check(rest.substr(semicolon + 1));
+    rest = rest.substr(0, semicolon);
   }
   for (;;) {
     const auto bar = rest.find('|');
@@ -38,7 +43,7 @@ std::string to_string(const Shape& shape) {
   std::string text = shape.prologue.empty() ? "" : shape.prologue + ":";
   for (const std::string& thread : shape.threads)
     text += (&thread == shape.threads.data() ? "" : "|") + thread;
-  return text;
+  return shape.epilogue.empty() ? text : text + ";" + shape.epilogue;
 }
 
 std::vector<std::string> battery(const Claims& claims) {
@@ -81,6 +86,7 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
         [this, thread] { run_letters(shape_.threads[thread], thread, thread); });
   scenario_.finish = [this, count] {
     phase_ = Operation::Phase::after;
+    run_letters(shape_.epilogue, count, 0);
     for (unsigned worker = 0; worker < count; ++worker)
       while (pop(count, worker)) {
       }
@@ -104,6 +110,9 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread, unsig
           push(thread, worker);
           push(thread, worker);
         }
+        break;
+      case 'C':
+        queue_->push(worker, close_word);
         break;
       case 'S':
         Execution::current_execution()->signal();

@@ -5,7 +5,11 @@
 ///
 ///     E  push the next element           R  the renderer's task: pop one; if there was one, push
 ///     D  pop                                two, once per letter
+///     EE|D|D;C     after the threads and before the queue is emptied, it is closed
+///
 ///     S  signal: whoever waits ...       W  ... goes on, and everything before S happens before
+///
+///     C  close: push `close_word`, for queues whose pop waits until they are closed
 ///
 /// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
 /// before and after is done on behalf of worker 0.
@@ -25,7 +29,11 @@ namespace irt::checker {
 struct Shape {
   std::string prologue;
   std::vector<std::string> threads;
+  std::string epilogue;
 };
+
+/// What C pushes; no element.
+inline constexpr std::uint64_t close_word = ~std::uint64_t{1};
 
 /// Throws std::invalid_argument that says what is wrong with `text`.
 Shape parse_shape(std::string_view text);

@@ -57,6 +57,8 @@ class Strategy {
   virtual std::size_t choose_place(Execution& execution, Event& event, std::uint32_t location,
                                    std::span<const std::size_t> places);
   virtual unsigned choose_other(Execution& execution, Event& event, unsigned count);
+  /// Whether something had to be left out, so that the end of the search proves nothing.
+  [[nodiscard]] virtual bool left_out() const { return false; }
   /// Whether another part of the same search makes this execution too, and counts it.
   [[nodiscard]] virtual bool counted_elsewhere() const { return false; }
   /// `event` is now part of the graph.
