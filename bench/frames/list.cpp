@@ -28,7 +28,9 @@ int list(const QueueRegistry& queues) {
   section("Shaders", "--shader", shaders());
   section("Task systems", "no choice yet",
           std::array{TaskSystem{"queue", "render threads that share a work queue (thesis 3.2)"}});
-  fmt::print("The first of each is the default.\n");
+  fmt::print("The first of each is the default. With their files (docs/scenes.md) there are also");
+  for (const SceneEntry& entry : real_scenes()) fmt::print(" {}", entry.name);
+  fmt::print(".\n");
   return 0;
 }
 

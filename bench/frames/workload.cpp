@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <string_view>
 #include <vector>
 
 #include "bench/conditions/system.hpp"
@@ -22,6 +23,17 @@ const Entry& entry_of(std::span<const Entry> entries, std::string& name, std::st
   std::vector<std::string_view> names;
   for (const Entry& entry : entries) names.push_back(entry.name);
   throw UsageError(unknown_name(kind, name, names));
+}
+
+/// Refuses what is neither the name of a scene nor, by its dot or slash, that of a file.
+void check_scene(std::string_view scene) {
+  if (scene.find_first_of("./") != std::string_view::npos) return;
+  std::vector<std::string_view> names;
+  for (const SceneEntry& entry : built_in_scenes()) names.push_back(entry.name);
+  for (const SceneEntry& entry : real_scenes()) names.push_back(entry.name);
+  if (std::ranges::find(names, scene) == names.end()) {
+    throw UsageError(unknown_name("scene", scene, names) + "; or give a .json, .ply or .obj file");
+  }
 }
 
 void check_range(std::string_view option, std::uint64_t value, std::uint64_t least,
@@ -57,6 +69,7 @@ void check(WorkloadOptions& options) {
   entry_of(terminations(), options.termination, "termination");
   entry_of(shaders(), options.shader, "shader");
   if (options.scene.empty()) options.scene = built_in_scenes().front().name;
+  check_scene(options.scene);
 
   const double needed = bytes_needed(options);
   const auto memory = static_cast<double>(survey_system().memory_bytes);
