@@ -61,7 +61,10 @@ void add_picture(CLI::App& command, WorkloadOptions& options) {
           "--size", [&](const std::string& text) { parse_size(text, options); },
           "picture in pixels")
       ->default_str("300x300");
-  command.add_option("--depth", options.depth, "mirror bounces")->capture_default_str();
+  command.add_option("--depth", options.depth, "bounces after which a path ends")
+      ->capture_default_str();
+  command.add_option("--samples-per-pixel", options.samples_per_pixel, "primary rays per pixel")
+      ->capture_default_str();
 }
 
 void add_render(CLI::App& app, Shared& shared, RenderOptions& options) {

@@ -80,6 +80,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"width", options.width},
       {"height", options.height},
       {"depth", options.depth},
+      {"samples_per_pixel", options.samples_per_pixel},
       {"warmup", background.warmup},
       {"frames", sum.seconds.size()},
       {"repetitions", group.repetitions},

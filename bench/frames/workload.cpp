@@ -42,15 +42,25 @@ void check_range(std::string_view option, std::uint64_t value, std::uint64_t lea
   throw UsageError(fmt::format("{} {}: must be from {} to {}", option, value, least, most));
 }
 
-// Breadth first, as a fair queue goes about it, a frame may hold the shadow rays of all primary
-// rays at once. 4 lights are assumed; they are not known before the scene is loaded.
-double bytes_needed(const WorkloadOptions& options) {
-  constexpr double tasks_at_once = 1 + 4 + 1;
+// Breadth first, as a fair queue goes about it, a frame may hold what all primary rays send on at
+// once.
+double bytes_needed(const WorkloadOptions& options, std::uint64_t rays_per_hit) {
+  const double tasks_at_once = 1 + static_cast<double>(rays_per_hit);
   constexpr double arrays = 11, overhead_per_task = 512;
   const double pixels = static_cast<double>(options.width) * options.height;
   const double lanes = std::max(options.task_size, 16u);
   const double task = lanes * arrays * 4 + overhead_per_task;
   return pixels / options.task_size * task * tasks_at_once + pixels * 32;
+}
+
+void check_memory(const WorkloadOptions& options, std::uint64_t rays_per_hit) {
+  const double needed = bytes_needed(options, rays_per_hit);
+  const auto memory = static_cast<double>(survey_system().memory_bytes);
+  if (needed <= memory / 2) return;
+  throw UsageError(fmt::format(
+      "--size {}x{} with --task-size {}: needs about {:.1f} GB, more than half of the {:.1f} GB "
+      "of this machine; use a smaller picture or larger tasks",
+      options.width, options.height, options.task_size, needed / 1e9, memory / 1e9));
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -62,6 +72,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 void check(WorkloadOptions& options) {
   check_range("--task-size", options.task_size, 1, 65'536);
   check_range("--depth", options.depth, 0, 64);
+  check_range("--samples-per-pixel", options.samples_per_pixel, 1, 65'535);
   check_range("--size: a width of", options.width, 1, 65'535);
   check_range("--size: a height of", options.height, 1, 65'535);
   entry_of(accelerators(), options.bvh, "BVH");
@@ -70,31 +81,23 @@ void check(WorkloadOptions& options) {
   entry_of(shaders(), options.shader, "shader");
   if (options.scene.empty()) options.scene = built_in_scenes().front().name;
   check_scene(options.scene);
-
-  const double needed = bytes_needed(options);
-  const auto memory = static_cast<double>(survey_system().memory_bytes);
-  if (needed > memory / 2) {
-    throw UsageError(fmt::format(
-        "--size {}x{} with --task-size {}: needs about {:.1f} GB, more than half of the {:.1f} GB "
-        "of this machine; use a smaller picture or larger tasks",
-        options.width, options.height, options.task_size, needed / 1e9, memory / 1e9));
-  }
 }
 
 Workload::Workload(const WorkloadOptions& options) : options_(options) {
   const auto begin = std::chrono::steady_clock::now();
   scene_ = load_scene(options_.scene);
   load_s_ = seconds_since(begin);
+  const ShaderEntry& shader = entry_of(shaders(), options_.shader, "shader");
+  check_memory(options_, shader.rays_per_hit(scene_));
   const auto loaded = std::chrono::steady_clock::now();
   accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh, {});
   build_s_ = seconds_since(loaded);
   frame_ = entry_of(frame_buffers(), options_.frame_buffer, "frame buffer")
                .make(options_.width, options_.height);
-  shader_ = entry_of(shaders(), options_.shader, "shader")
-                .make(scene_, *frame_, {.max_depth = options_.depth});
+  shader_ = shader.make(scene_, *frame_, {.max_depth = options_.depth});
   try {
-    application_ =
-        std::make_unique<ImageRendering>(scene_.camera, *frame_, *shader_, options_.task_size);
+    application_ = std::make_unique<ImageRendering>(scene_.camera, *frame_, *shader_,
+                                                    options_.task_size, options_.samples_per_pixel);
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }

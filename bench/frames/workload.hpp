@@ -21,21 +21,22 @@ struct WorkloadOptions {
   std::uint32_t task_size = 256;                              ///< packets per task
   std::uint32_t width = 300, height = 300;                    ///< pixels
   std::uint32_t depth = 4;                                    ///< bounces
+  std::uint32_t samples_per_pixel = 1;
   bool pin = false;
 };
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, frame_buffer, termination, shader,
-                                   task_size, width, height, depth, pin)
+                                   task_size, width, height, depth, samples_per_pixel, pin)
 
 /// Puts the names of the defaults where nothing was given. Throws UsageError where a name is
-/// unknown, a number is out of range, or the frame would need more memory than half of what this
-/// machine has.
+/// unknown or a number is out of range.
 void check(WorkloadOptions& options);
 
 /// A scene with its structure, ready to be rendered by any engine.
 class Workload {
  public:
-  /// Loads and builds. `options` were checked. Throws UsageError, SceneError.
+  /// Loads and builds. `options` were checked. Throws SceneError, and UsageError where the frame
+  /// would need more memory than half of what this machine has.
   explicit Workload(const WorkloadOptions& options);
 
   /// Options of an engine for this workload, but for its threads.

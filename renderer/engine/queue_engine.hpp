@@ -221,6 +221,7 @@ void QueueEngine<Queue, measured>::process(Worker& me, Task& task) {
     doubled_.fetch_add(1, std::memory_order_relaxed);
     me.spare.kind = task.kind;
     me.spare.depth = task.depth;
+    me.spare.sample = task.sample;
     me.spare.rays.size = 0;
     for (std::uint32_t i = 0; i < task.rays.size; ++i) {
       me.spare.rays.add(task.rays.ray(i), task.rays.weight(i), task.rays.pixel[i]);

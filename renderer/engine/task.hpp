@@ -17,7 +17,8 @@ struct Task {
   explicit Task(std::uint32_t capacity) : rays(capacity) {}
 
   TaskKind kind = TaskKind::primary;
-  std::uint32_t depth = 0;  ///< bounces since the primary ray
+  std::uint32_t depth = 0;   ///< bounces since the primary ray
+  std::uint32_t sample = 0;  ///< which sample of their pixels the rays belong to
   Rays rays;
 
   /// True from the moment the task is handed to the queue until it is taken. A task that is taken

@@ -79,11 +79,12 @@ class TaskSink {
       : pool_(pool), worker_(worker), spread_(spread) {}
 
   /// A new, empty task, valid until the application returns. One that stays empty is dropped.
-  Task& add(TaskKind kind, std::uint32_t depth) {
+  Task& add(TaskKind kind, std::uint32_t depth, std::uint32_t sample = 0) {
     const auto next = static_cast<unsigned>(tasks_.size() % spread_);
     Task& task = pool_.acquire(worker_ + next);
     task.kind = kind;
     task.depth = depth;
+    task.sample = sample;
     tasks_.push_back(&task);
     return task;
   }

@@ -34,16 +34,20 @@ class Shader {
   virtual void on_occlusion(const Task& task, std::span<const std::uint8_t> occluded,
                             TaskSink& tasks) const = 0;
 
-  /// The most rays that one pixel can cost, and so the most contributions it can get.
-  virtual std::uint64_t max_rays_per_pixel() const = 0;
+  /// The most rays that one sample of a pixel can cost, and so the most contributions that the
+  /// pixel can get from it.
+  virtual std::uint64_t max_rays_per_sample() const = 0;
 };
 
-/// A shader by name, as the tools see it. Scene and frame buffer outlive the shader.
+/// A shader by name, as the tools see it: a class with a constructor like `make` and a static
+/// `rays_per_hit`. Scene and frame buffer outlive the shader.
 struct ShaderEntry {
   std::string_view name;
   std::string_view summary;
   std::unique_ptr<Shader> (*make)(const Scene& scene, FrameBuffer& frame,
                                   const ShaderOptions& options);
+  /// The most rays that one hit sends on, which says how much memory a frame may need.
+  std::uint64_t (*rays_per_hit)(const Scene& scene);
 };
 
 /// All shaders, the default first.

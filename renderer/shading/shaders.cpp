@@ -1,5 +1,11 @@
+/// The list of shaders: a new one adds its header and its line.
 #include <array>
 
+#include "renderer/shading/ambient_occlusion.hpp"
+#include "renderer/shading/depth.hpp"
+#include "renderer/shading/diffuse.hpp"
+#include "renderer/shading/normals.hpp"
+#include "renderer/shading/path.hpp"
 #include "renderer/shading/whitted.hpp"
 
 namespace irt {
@@ -10,9 +16,18 @@ std::unique_ptr<Shader> make(const Scene& scene, FrameBuffer& frame, const Shade
   return std::make_unique<S>(scene, frame, options);
 }
 
+template <class S>
+constexpr ShaderEntry entry(std::string_view name, std::string_view summary) {
+  return {name, summary, make<S>, S::rays_per_hit};
+}
+
 constexpr std::array entries{
-    ShaderEntry{"whitted", "a shadow ray per light, a specular ray where the material reflects",
-                make<Whitted>},
+    entry<Whitted>("whitted", "a shadow ray per light, a specular ray where the material reflects"),
+    entry<Diffuse>("diffuse", "matt colours under the lights; no rays but the primary ones"),
+    entry<Normals>("normals", "which way surfaces face, as colours"),
+    entry<Depth>("depth", "how far away surfaces are, in grey"),
+    entry<AmbientOcclusion>("ambient-occlusion", "eight short shadow rays per hit"),
+    entry<PathTracer>("path", "light of any number of reflections; wants many samples per pixel"),
 };
 
 }  // namespace

@@ -75,9 +75,10 @@ class Whitted final : public Shader {
   }
 
   /// A path has at most `max_depth` + 1 hits, each with one ray that led there and its shadow rays.
-  std::uint64_t max_rays_per_pixel() const override {
-    return (std::uint64_t{max_depth_} + 1) * (scene_.lights.size() + 1);
+  std::uint64_t max_rays_per_sample() const override {
+    return (std::uint64_t{max_depth_} + 1) * rays_per_hit(scene_);
   }
+  static std::uint64_t rays_per_hit(const Scene& scene) { return scene.lights.size() + 1; }
 
  private:
   static bool black(Vec3 colour) { return !(colour.x > 0 || colour.y > 0 || colour.z > 0); }

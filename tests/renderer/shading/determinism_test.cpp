@@ -65,6 +65,29 @@ TEST(Determinism, TheHashIsTheSameForEveryQueueThreadCountAndPolicy) {
   }
 }
 
+TEST(Determinism, SoItIsForEveryShaderWithSeveralSamples) {
+  const Scene scene = built_in_scenes().front().make();
+  const auto structure = accelerators().front().build(scene.mesh, {});
+  for (const ShaderEntry& entry : shaders()) {
+    FixedPointFrameBuffer frame(32, 32);
+    const auto shader = entry.make(scene, frame, {});
+    ImageRendering application(scene.camera, frame, *shader, 32, 3);
+    std::uint64_t expected = 0;
+    for (const QueueEntry& queue : built_in_queues()) {
+      for (const unsigned threads : {1u, 3u}) {
+        SCOPED_TRACE(std::string(entry.name) + " " + std::string(queue.name));
+        const EngineOptions options{.threads = threads, .rays_per_task = 32};
+        const auto engine = make_engine(options, queue, *structure);
+        for (int i = 0; i < repetitions(); ++i) {
+          engine->run(application);
+          if (expected == 0) expected = frame.hash();
+          ASSERT_EQ(frame.hash(), expected);
+        }
+      }
+    }
+  }
+}
+
 TEST(Determinism, ALostOrDoubledTaskChangesTheHash) {
   for (const SceneEntry& entry : built_in_scenes()) {
     Stage stage(entry);

@@ -60,6 +60,24 @@ TEST(ImageRendering, EveryPixelGetsOnePrimaryRayInCompactBlocks) {
   }
 }
 
+TEST(SamplePlace, OneIsTheCentreAndManyAreSpreadEvenly) {
+  EXPECT_EQ(sample_place(0, 1).x, 0.5f);
+  EXPECT_EQ(sample_place(0, 1).y, 0.5f);
+  for (const std::uint32_t count : {2u, 3u, 5u, 16u, 100u, 4096u}) {
+    std::set<int> columns;  // one sample in each
+    float sum = 0;
+    for (std::uint32_t sample = 0; sample < count; ++sample) {
+      const InPixel place = sample_place(sample, count);
+      columns.insert(static_cast<int>(place.x * static_cast<float>(count)));
+      EXPECT_GT(place.y, 0);
+      EXPECT_LT(place.y, 1);
+      sum += place.y;
+    }
+    EXPECT_EQ(columns.size(), count);
+    EXPECT_NEAR(sum / static_cast<float>(count), 0.5f, 0.1f);
+  }
+}
+
 TEST(ImageRendering, RefusesWhatCouldOverflowTheFrameBuffer) {
   Scene scene;
   scene.lights.resize(20'000);
@@ -67,6 +85,9 @@ TEST(ImageRendering, RefusesWhatCouldOverflowTheFrameBuffer) {
   EXPECT_NO_THROW(ImageRendering(scene.camera, *frame, Whitted(scene, *frame, {2}), 256));
   EXPECT_THROW(ImageRendering(scene.camera, *frame, Whitted(scene, *frame, {3}), 256),
                std::invalid_argument);
+  const Whitted shader(scene, *frame, {0});
+  EXPECT_NO_THROW(ImageRendering(scene.camera, *frame, shader, 256, 3));
+  EXPECT_THROW(ImageRendering(scene.camera, *frame, shader, 256, 4), std::invalid_argument);
 }
 
 }  // namespace

@@ -13,27 +13,6 @@ namespace {
 constexpr QueueEntry queue = queue_entry<PlainQueue>("plain");
 constexpr float ambient = Whitted::ambient;
 
-// A square of two triangles in the plane z = `z`, with `half` the length of its side.
-void add_square(Scene& scene, float half, float z, std::uint32_t material) {
-  const auto first = static_cast<std::uint32_t>(scene.mesh.vertices.size());
-  scene.mesh.vertices.insert(
-      scene.mesh.vertices.end(),
-      {{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}});
-  scene.mesh.triangles.push_back({first, first + 1, first + 2});
-  scene.mesh.triangles.push_back({first, first + 2, first + 3});
-  scene.mesh.material.insert(scene.mesh.material.end(), 2, material);
-}
-
-// A wall at z = 0 that fills the picture, seen from z = 10; a light above its middle.
-Scene wall() {
-  Scene scene;
-  scene.materials = {{"matt", {0.5f, 0.25f, 1}, {}}, {"mirror", {}, {0.5f, 0.5f, 0.5f}}};
-  scene.lights = {{{0, 0, 8}, {1, 1, 1}}};
-  scene.camera = {{0, 0, 10}, {0, 0, 0}, {0, 1, 0}, 20};
-  add_square(scene, 100, 0, 0);
-  return scene;
-}
-
 void expect_near(Vec3 actual, Vec3 expected, float tolerance) {
   for (int channel = 0; channel < 3; ++channel) {
     EXPECT_NEAR(actual[channel], expected[channel], tolerance);
