@@ -36,7 +36,7 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
   const Workload workload(options.workload);
   EngineOptions engine_options = workload.engine_options(settle_threads(options.threads));
   engine_options.cancel = &cancel;
-  const auto engine = make_engine(engine_options, queue, workload.accelerator());
+  const auto engine = workload.start_engine(engine_options, queue);
   constexpr std::uint64_t seed = 1;
   CollisionQuery query(workload.scene().mesh,
                        particle_cloud(workload.scene().mesh, options.particles, seed),
@@ -61,6 +61,7 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
         {{"scene", workload.options().scene},
          {"triangles", workload.scene().mesh.triangles.size()},
          {"queue", queue.name},
+         {"task_system", workload.options().task_system},
          {"threads", engine_options.threads},
          {"bvh", workload.options().bvh},
          {"termination", workload.options().termination},

@@ -25,9 +25,9 @@ struct RenderOptions {
 };
 int render(RenderOptions options, const QueueRegistry& queues);
 
-/// `irt compare`: several queues, several numbers of threads, interleaved.
+/// `irt compare`: several queues, several numbers of threads, several workloads, interleaved.
 struct CompareOptions {
-  WorkloadOptions workload;
+  std::vector<WorkloadOptions> workloads{{}};
   std::vector<std::string> queues;  ///< empty: all
   std::vector<unsigned> threads;    ///< empty: 1, 2, 4 ... up to what the machine has
   unsigned frames = 0;              ///< per repetition; 0: as many as fit into `seconds`

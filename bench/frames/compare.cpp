@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <memory>
 #include <optional>
+#include <tuple>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/commands.hpp"
@@ -18,22 +20,37 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// What becomes one line of the table.
+struct Row {
+  unsigned workload;
+  std::string queue;  // "-" where the task system needs none
+  unsigned threads;
+};
+
 // What is measured, settled to the last choice; stands at the head of the journal.
 struct Plan {
-  WorkloadOptions workload;
+  std::vector<WorkloadOptions> workloads;
   std::vector<std::string> queues;
   std::vector<unsigned> threads;
   std::vector<std::string> plugins;
   unsigned frames = 0, repetitions = 0, warmup = 0;
 
-  unsigned samples() const {
-    return static_cast<unsigned>(queues.size() * threads.size()) * repetitions;
+  std::vector<Row> rows() const {
+    std::vector<Row> all;
+    for (unsigned workload = 0; workload < workloads.size(); ++workload) {
+      const std::vector<std::string> none{"-"};
+      for (const std::string& queue : uses_queue(workloads[workload]) ? queues : none) {
+        for (const unsigned count : threads) all.push_back({workload, queue, count});
+      }
+    }
+    return all;
   }
+  unsigned samples() const { return static_cast<unsigned>(rows().size()) * repetitions; }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, workload, queues, threads, plugins, frames, repetitions,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, workloads, queues, threads, plugins, frames, repetitions,
                                    warmup)
 
-// What the first frame told.
+// What the first frame of a workload told.
 struct Reference {
   std::string image_hash;
   std::size_t triangles = 0;
@@ -51,14 +68,14 @@ std::vector<unsigned> default_threads() {
 }
 
 Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
-  Plan plan{.workload = options.workload,
+  Plan plan{.workloads = options.workloads,
             .queues = options.queues,
             .threads = options.threads,
             .plugins = options.plugins,
             .frames = options.frames,
             .repetitions = options.repetitions,
             .warmup = options.warmup};
-  check(plan.workload);
+  for (WorkloadOptions& workload : plan.workloads) check(workload);
   if (plan.queues.empty()) {
     for (const QueueEntry& queue : queues.entries()) plan.queues.emplace_back(queue.name);
   }
@@ -66,6 +83,18 @@ Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
   if (plan.threads.empty()) plan.threads = default_threads();
   for (const unsigned threads : plan.threads) settle_threads(threads);
   return plan;
+}
+
+// What `plan` has for `key`: of workloads every value once, or the only one.
+nlohmann::json value_of(const nlohmann::json& plan, const std::string& key) {
+  if (plan.contains(key)) return plan.at(key);
+  auto values = nlohmann::json::array();
+  for (const nlohmann::json& workload : plan.at("workloads")) {
+    if (!workload.contains(key)) return nullptr;
+    const nlohmann::json& value = workload.at(key);
+    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+  }
+  return values.size() == 1 ? values.front() : values;
 }
 
 // The plan of a journal. What the user set on the command line must be what it says.
@@ -79,12 +108,8 @@ Plan plan_of(const Journal& journal, const CompareOptions& options, QueueRegistr
     std::vector<std::string> keys{name};
     if (name == "size") keys = {"width", "height"};
     for (const std::string& key : keys) {
-      const bool of_workload = before["workload"].contains(key);
-      const nlohmann::json& old = of_workload ? before["workload"] : before;
-      const nlohmann::json& wanted = of_workload ? now["workload"] : now;
-      if (!old.contains(key)) continue;
       const std::string difference =
-          first_difference({{key, old.at(key)}}, {{key, wanted.at(key)}});
+          first_difference({{key, value_of(before, key)}}, {{key, value_of(now, key)}});
       if (!difference.empty()) {
         throw UsageError(
             fmt::format("--resume: {}; start without --resume, or with the options "
@@ -107,18 +132,28 @@ nlohmann::json lasting(const nlohmann::json& conditions) {
   return kept;
 }
 
-// Frames per repetition such that everything takes about `seconds`. `work` is what one frame takes
-// a single thread.
-void settle_length(Plan& plan, double work, double seconds) {
-  double sweep = 0;  // one frame of every queue and number of threads
+// Frames per repetition such that everything takes about `seconds`. `work` is what one frame of
+// each workload takes a single thread.
+void settle_length(Plan& plan, const std::vector<double>& work, double seconds) {
+  double sweep = 0;  // one frame of every row
   const double most = settle_threads(0);
-  for (const unsigned threads : plan.threads) {
-    sweep += static_cast<double>(plan.queues.size()) * work / std::min<double>(threads, most);
+  for (const Row& row : plan.rows()) {
+    sweep += work[row.workload] / std::min<double>(row.threads, most);
   }
   if (plan.frames == 0) {
     const double fit = seconds / (sweep * plan.repetitions) - plan.warmup;
     plan.frames = static_cast<unsigned>(std::clamp(fit, 1.0, 100.0));
   }
+}
+
+// Whether two workloads must give the same picture to the last bit: they differ at most in how it
+// is made.
+bool same_picture(const WorkloadOptions& a, const WorkloadOptions& b) {
+  const auto picture = [](const WorkloadOptions& of) {
+    return std::tie(of.scene, of.shader, of.kernel, of.frame_buffer, of.width, of.height, of.depth,
+                    of.samples_per_pixel);
+  };
+  return picture(a) == picture(b);
 }
 
 class Comparison {
@@ -138,7 +173,7 @@ class Comparison {
       require_writable(options_.out / name);
     }
     if (!options_.json.empty()) require_writable(options_.json);
-    conditions_ = conditions(plan_.workload.pin ? "one thread per core" : "none");
+    conditions_ = conditions(plan_.workloads.front().pin ? "one thread per core" : "none");
     if (journal_) {
       const std::string difference =
           first_difference(lasting(journal_->header().at("conditions")), lasting(conditions_));
@@ -150,65 +185,84 @@ class Comparison {
       }
     }
 
-    Workload workload(plan_.workload);
-    first_frame(workload, file);
+    for (const WorkloadOptions& workload : plan_.workloads) {
+      workloads_.push_back(std::make_unique<Workload>(workload));
+    }
+    first_frames(file);
     if (!journal_) {
       fmt::print(stderr, "irt: interrupted before anything was measured\n");
       return exit_interrupted;
     }
-    sweep(workload);
+    sweep();
     return report();
   }
 
  private:
-  // Renders the picture, and with a new plan settles what is still open and begins the journal.
-  void first_frame(Workload& workload, const std::filesystem::path& file) {
+  const QueueEntry& queue_of(const Row& row) const {
+    return queues_.at(row.queue == "-" ? plan_.queues.front() : row.queue);
+  }
+
+  // Renders every workload once, and with a new plan settles what is still open and begins the
+  // journal.
+  void first_frames(const std::filesystem::path& file) {
     const QueueEntry& queue = queues_.at(plan_.queues.front());
     const unsigned threads = *std::ranges::max_element(plan_.threads);
-    const Sample first = take_sample(workload, queue, {.threads = threads, .warmup = 0}, cancel_);
-    if (first.seconds.empty()) return;
-    write_png(options_.out / "frame.png", workload.application().image());
-    fmt::print(stderr, "{}, {} triangles: first frame after {:.1f} s, {}\n",
-               workload.options().scene, workload.scene().mesh.triangles.size(),
-               std::chrono::duration<double>(Clock::now() - begin_).count(),
-               (options_.out / "frame.png").string());
+    const double cores = std::min<double>(threads, settle_threads(0));
+    std::vector<Reference> references;
+    std::vector<double> work;
+    for (const auto& workload : workloads_) {
+      const Sample first =
+          take_sample(*workload, queue, {.threads = threads, .warmup = 0}, cancel_);
+      if (first.seconds.empty()) return;
+      if (references.empty()) show_first_frame(*workload);
+      references.push_back({.image_hash = first.image_hash,
+                            .triangles = workload->scene().mesh.triangles.size(),
+                            .traverse_share = traverse_share(*workload, queue, threads, cancel_)});
+      work.push_back(first.seconds.front() * cores);
+    }
     if (journal_) {
-      journal_->header().at("reference").get_to(reference_);
-      if (exact() && reference_.image_hash != first.image_hash) {
+      journal_->header().at("references").get_to(references_);
+      for (std::size_t i = 0; i < references.size(); ++i) {
+        if (!exact(i) || references_[i].image_hash == references[i].image_hash) continue;
         throw UsageError(
             "--resume: the scene gives another picture than before; start without "
             "--resume");
       }
       return;
     }
-    reference_ = {.image_hash = first.image_hash,
-                  .triangles = workload.scene().mesh.triangles.size(),
-                  .traverse_share = traverse_share(workload, queue, threads, cancel_)};
     if (cancel_) return;
-    const double cores = std::min<double>(threads, settle_threads(0));
-    settle_length(plan_, first.seconds.front() * cores, options_.seconds);
-    journal_ = Journal::begin(file, {{"format", "irt-frames 1"},
+    references_ = std::move(references);
+    settle_length(plan_, work, options_.seconds);
+    journal_ = Journal::begin(file, {{"format", "irt-frames 2"},
                                      {"plan", plan_},
-                                     {"reference", reference_},
+                                     {"references", references_},
                                      {"conditions", conditions_}});
   }
 
-  // Every queue with every number of threads, then all again: a machine that changes its pace does
-  // so to all alike. Each round begins elsewhere, so that nobody is always first.
-  void sweep(Workload& workload) {
-    const auto queues = static_cast<unsigned>(plan_.queues.size());
-    const unsigned round = queues * static_cast<unsigned>(plan_.threads.size());
+  void show_first_frame(Workload& workload) {
+    write_png(options_.out / "frame.png", workload.application().image());
+    fmt::print(stderr, "{}, {} triangles: first frame after {:.1f} s, {}\n",
+               workload.options().scene, workload.scene().mesh.triangles.size(),
+               std::chrono::duration<double>(Clock::now() - begin_).count(),
+               (options_.out / "frame.png").string());
+  }
+
+  // Every row, then all again: a machine that changes its pace does so to all alike. Each round
+  // begins elsewhere, so that nobody is always first.
+  void sweep() {
+    const std::vector<Row> rows = plan_.rows();
     ProgressBar progress(plan_.samples(), static_cast<unsigned>(journal_->samples().size()));
     for (unsigned i = 0; i < plan_.samples() && !cancel_; ++i) {
-      const unsigned repetition = i / round, at = (i + repetition) % round;
-      const std::string& queue = plan_.queues[at % queues];
-      const unsigned threads = plan_.threads[at / queues];
-      if (journal_->has(queue, threads, repetition)) continue;
-      progress.show(fmt::format("{}, {} threads", queue, threads));
+      const auto round = static_cast<unsigned>(rows.size());
+      const unsigned repetition = i / round;
+      const Row& row = rows[(i + repetition) % round];
+      if (journal_->has(row.workload, row.queue, row.threads, repetition)) continue;
+      progress.show(fmt::format("{}, {} threads", row.queue, row.threads));
       Sample sample = take_sample(
-          workload, queues_.at(queue),
-          {.threads = threads, .warmup = plan_.warmup, .frames = plan_.frames}, cancel_);
+          *workloads_[row.workload], queue_of(row),
+          {.threads = row.threads, .warmup = plan_.warmup, .frames = plan_.frames}, cancel_);
       if (sample.seconds.size() < plan_.frames) break;
+      sample.workload = row.workload;
       sample.repetition = repetition;
       journal_->add(sample);
       progress.step();
@@ -216,20 +270,22 @@ class Comparison {
   }
 
   int report() {
-    const Background background{.workload = plan_.workload,
-                                .triangles = reference_.triangles,
-                                .warmup = plan_.warmup,
-                                .traverse_share = reference_.traverse_share,
-                                .conditions = conditions_};
+    std::vector<Background> backgrounds;
+    for (std::size_t i = 0; i < plan_.workloads.size(); ++i) {
+      backgrounds.push_back({.workload = plan_.workloads[i],
+                             .triangles = references_[i].triangles,
+                             .warmup = plan_.warmup,
+                             .traverse_share = references_[i].traverse_share,
+                             .conditions = conditions_});
+    }
     std::vector<Sample> samples = journal_->samples();
     std::ranges::stable_sort(samples, {}, [&](const Sample& sample) {
-      return std::pair(std::ranges::find(plan_.queues, sample.queue), sample.threads);
+      return std::tuple(sample.workload, std::ranges::find(plan_.queues, sample.queue),
+                        sample.threads);
     });
-    const auto runs = summarise(samples, background);
+    const auto runs = summarise(samples, backgrounds);
     const std::size_t done = samples.size();
-    fmt::print("{}, {} triangles, {}x{}, {}, {}: {} frames per line in {} rounds\n\n{}\n",
-               plan_.workload.scene, reference_.triangles, plan_.workload.width,
-               plan_.workload.height, plan_.workload.bvh, plan_.workload.frame_buffer,
+    fmt::print("{}: {} frames per line in {} rounds\n\n{}\n", subject(),
                plan_.frames * plan_.repetitions, plan_.repetitions, table(runs));
     std::fflush(stdout);
     write_text(options_.out / "compare.json", runs.dump(2) + '\n');
@@ -249,9 +305,23 @@ class Comparison {
     return exit_interrupted;
   }
 
+  // What is rendered, as far as all workloads agree.
+  std::string subject() const {
+    const WorkloadOptions& first = plan_.workloads.front();
+    std::string text = fmt::format("{}x{}", first.width, first.height);
+    for (std::string WorkloadOptions::*name :
+         {&WorkloadOptions::frame_buffer, &WorkloadOptions::bvh, &WorkloadOptions::scene}) {
+      const bool agreed = std::ranges::all_of(
+          plan_.workloads, [&](const WorkloadOptions& one) { return one.*name == first.*name; });
+      if (agreed) text = first.*name + ", " + text;
+    }
+    return text;
+  }
+
   // Says so where a queue has lost or doubled tasks, by its own count or by the picture.
   bool is_broken(const Sample& sample) const {
-    const bool same = !exact() || (sample.same_image && sample.image_hash == reference_.image_hash);
+    const bool same = !exact(sample.workload) ||
+                      (sample.same_image && sample.image_hash == expected_hash(sample.workload));
     if (same && sample.lost + sample.doubled == 0) return false;
     fmt::print(stderr,
                "irt: queue {} with {} threads is broken: {} tasks lost, {} handed out twice, the "
@@ -261,14 +331,24 @@ class Comparison {
     return true;
   }
 
-  bool exact() const { return plan_.workload.frame_buffer == "fixed-point"; }
+  // The hash of the first workload that must give the same picture.
+  const std::string& expected_hash(std::size_t workload) const {
+    std::size_t first = 0;
+    while (!same_picture(plan_.workloads[first], plan_.workloads[workload])) ++first;
+    return references_[first].image_hash;
+  }
+
+  bool exact(std::size_t workload) const {
+    return plan_.workloads[workload].frame_buffer == "fixed-point";
+  }
 
   const CompareOptions& options_;
   QueueRegistry& queues_;
   const std::atomic<bool>& cancel_ = watch_for_interrupt();
   Clock::time_point begin_ = Clock::now();
   Plan plan_;
-  Reference reference_;
+  std::vector<std::unique_ptr<Workload>> workloads_;  // as in the plan, and so are
+  std::vector<Reference> references_;                 // these
   nlohmann::json conditions_;
   std::optional<Journal> journal_;
 };

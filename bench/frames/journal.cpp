@@ -39,7 +39,7 @@ Journal Journal::resume(const std::filesystem::path& file) {
     try {
       const auto json = nlohmann::json::parse(line);
       if (number == 1) {
-        if (json.at("format") != "irt-frames 1") throw UsageError("format");
+        if (json.at("format") != "irt-frames 2") throw UsageError("format");
         journal.header_ = json;
       } else {
         journal.samples_.push_back(json.get<Sample>());
@@ -68,9 +68,11 @@ void Journal::add(const Sample& sample) {
   write(sample);
 }
 
-bool Journal::has(std::string_view queue, unsigned threads, unsigned repetition) const {
+bool Journal::has(unsigned workload, std::string_view queue, unsigned threads,
+                  unsigned repetition) const {
   return std::ranges::any_of(samples_, [&](const Sample& sample) {
-    return sample.queue == queue && sample.threads == threads && sample.repetition == repetition;
+    return sample.workload == workload && sample.queue == queue && sample.threads == threads &&
+           sample.repetition == repetition;
   });
 }
 

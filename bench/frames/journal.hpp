@@ -29,7 +29,7 @@ class Journal {
 
   const nlohmann::json& header() const { return header_; }
   const std::vector<Sample>& samples() const { return samples_; }
-  bool has(std::string_view queue, unsigned threads, unsigned repetition) const;
+  bool has(unsigned workload, std::string_view queue, unsigned threads, unsigned repetition) const;
 
  private:
   struct Close {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "bench/frames/commands.hpp"
+#include "renderer/engine/task_systems.hpp"
 #include "renderer/scene/scenes.hpp"
 
 namespace irt {
@@ -13,21 +14,17 @@ void section(std::string_view title, std::string_view option, const Entries& ent
   fmt::print("\n");
 }
 
-struct TaskSystem {
-  std::string_view name, summary;
-};
-
 }  // namespace
 
 int list(const QueueRegistry& queues) {
   section("Queues", "--queue", queues.entries());
   section("Scenes", "--scene, or a file", built_in_scenes());
   section("BVHs", "--bvh", accelerators());
+  section("Kernels", "--kernel", triangle_kernels());
   section("Frame buffers", "--frame-buffer", frame_buffers());
   section("Terminations", "--termination", terminations());
   section("Shaders", "--shader", shaders());
-  section("Task systems", "no choice yet",
-          std::array{TaskSystem{"queue", "render threads that share a work queue (thesis 3.2)"}});
+  section("Task systems", "--task-system", task_systems());
   fmt::print("The first of each is the default. With their files (docs/scenes.md) there are also");
   for (const SceneEntry& entry : real_scenes()) fmt::print(" {}", entry.name);
   fmt::print(".\n");

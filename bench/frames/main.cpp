@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
+#include <list>
 #include <new>
 
 #include "bench/frames/commands.hpp"
@@ -14,10 +16,104 @@ const CLI::Range thread_range(1u, max_threads);
 const CLI::Range count_range(1u, 1'000'000u);
 const CLI::Range warmup_range(0u, 1'000'000u);
 
+// "300x200". Throws UsageError.
+void parse_size(const std::string& text, WorkloadOptions& options) {
+  unsigned long width = 0, height = 0;
+  char rest = 0;
+  // NOLINTNEXTLINE(cert-err34-c): nine digits fit
+  if (std::sscanf(text.c_str(), "%9lux%9lu%c", &width, &height, &rest) != 2) {
+    throw UsageError(fmt::format("--size {}: must be a width and a height, as 300x300", text));
+  }
+  options.width = static_cast<std::uint32_t>(width);
+  options.height = static_cast<std::uint32_t>(height);
+}
+
+// The options that say what is rendered and how.
+//
+// To `compare`, most of them can be given lists: every combination is then a workload of its own.
+class WorkloadArguments {
+ public:
+  // A value each.
+  WorkloadArguments(CLI::App& command, WorkloadOptions& options)
+      : command_(command), options_(options) {}
+  // Lists where `choice` is used; `workloads` has one element, and more after `expand`.
+  WorkloadArguments(CLI::App& command, std::vector<WorkloadOptions>& workloads)
+      : command_(command), options_(workloads.front()), workloads_(&workloads) {}
+
+  void add_tracing() {
+    choice("--scene", &WorkloadOptions::scene, "a scene of 'irt list', or a file");
+    choice("--bvh", &WorkloadOptions::bvh, "acceleration structure");
+    choice("--kernel", &WorkloadOptions::kernel, "how a ray is tested against a triangle");
+    choice("--width", &WorkloadOptions::packet_width,
+           "rays per packet: 1, 4, 8 or 16 (default: what the BVH does best)");
+    choice("--isa", &WorkloadOptions::isa,
+           "instruction set: sse4, avx2 or avx512 (default: the best)");
+    choice("--termination", &WorkloadOptions::termination, "when a thread leaves a frame");
+    choice("--task-size", &WorkloadOptions::task_size, "packets of rays per task");
+    command_.add_flag("--pin", options_.pin, "bind each thread to a core");
+  }
+
+  void add_task_system() {
+    choice("--task-system", &WorkloadOptions::task_system, "who runs the tasks");
+  }
+
+  void add_picture() {
+    choice("--frame-buffer", &WorkloadOptions::frame_buffer, "where contributions meet");
+    choice("--shader", &WorkloadOptions::shader, "what light does");
+    command_
+        .add_option_function<std::string>(
+            "--size", [this](const std::string& text) { parse_size(text, options_); },
+            "picture in pixels")
+        ->default_str("300x300");
+    choice("--depth", &WorkloadOptions::depth, "bounces after which a path ends");
+    choice("--samples-per-pixel", &WorkloadOptions::samples_per_pixel, "primary rays per pixel");
+  }
+
+  // Once the command line is read, makes every combination of the lists a workload.
+  void expand() const {
+    for (const Expansion& expansion : expansions_) {
+      std::vector<WorkloadOptions> all;
+      for (const WorkloadOptions& one : *workloads_) expansion(one, all);
+      *workloads_ = std::move(all);
+    }
+  }
+
+ private:
+  // Appends `one` with each value of a list.
+  using Expansion = std::function<void(const WorkloadOptions& one, std::vector<WorkloadOptions>&)>;
+
+  template <class T>
+  void choice(const char* name, T WorkloadOptions::*field, const char* description) {
+    if (workloads_ == nullptr) {
+      command_.add_option(name, options_.*field, description)->capture_default_str();
+      return;
+    }
+    CLI::Option* option = command_.add_option_function<std::vector<T>>(
+        name,
+        [this, field](const std::vector<T>& values) {
+          expansions_.push_back([field, values](const WorkloadOptions& one, auto& all) {
+            for (const T& value : values) {
+              all.push_back(one);
+              all.back().*field = value;
+            }
+          });
+        },
+        std::string(description) + "; or a list");
+    option->delimiter(',');
+    if constexpr (std::is_integral_v<T>) option->default_str(std::to_string(options_.*field));
+  }
+
+  CLI::App& command_;
+  WorkloadOptions& options_;
+  std::vector<WorkloadOptions>* workloads_ = nullptr;
+  std::vector<Expansion> expansions_;
+};
+
 // What the commands share while the command line is read.
 struct Shared {
   QueueRegistry queues;
-  int code = 0;  // of the command that ran
+  std::list<WorkloadArguments> arguments;  // one per command
+  int code = 0;                            // of the command that ran
 
   // The option is read before the command runs, in the order of the command line.
   void add_plugin(CLI::App& command) {
@@ -32,45 +128,12 @@ struct Shared {
   }
 };
 
-// "300x200". Throws UsageError.
-void parse_size(const std::string& text, WorkloadOptions& options) {
-  unsigned long width = 0, height = 0;
-  char rest = 0;
-  // NOLINTNEXTLINE(cert-err34-c): nine digits fit
-  if (std::sscanf(text.c_str(), "%9lux%9lu%c", &width, &height, &rest) != 2) {
-    throw UsageError(fmt::format("--size {}: must be a width and a height, as 300x300", text));
-  }
-  options.width = static_cast<std::uint32_t>(width);
-  options.height = static_cast<std::uint32_t>(height);
-}
-
-void add_tracing(CLI::App& command, WorkloadOptions& options) {
-  command.add_option("--scene", options.scene, "a scene of 'irt list', or a file");
-  command.add_option("--bvh", options.bvh, "acceleration structure");
-  command.add_option("--termination", options.termination, "when a thread leaves a frame");
-  command.add_option("--task-size", options.task_size, "packets of rays per task")
-      ->capture_default_str();
-  command.add_flag("--pin", options.pin, "bind each thread to a core");
-}
-
-void add_picture(CLI::App& command, WorkloadOptions& options) {
-  command.add_option("--frame-buffer", options.frame_buffer, "where contributions meet");
-  command.add_option("--shader", options.shader, "what light does");
-  command
-      .add_option_function<std::string>(
-          "--size", [&](const std::string& text) { parse_size(text, options); },
-          "picture in pixels")
-      ->default_str("300x300");
-  command.add_option("--depth", options.depth, "bounces after which a path ends")
-      ->capture_default_str();
-  command.add_option("--samples-per-pixel", options.samples_per_pixel, "primary rays per pixel")
-      ->capture_default_str();
-}
-
 void add_render(CLI::App& app, Shared& shared, RenderOptions& options) {
   CLI::App& command = *app.add_subcommand("render", "render a scene with one queue");
-  add_tracing(command, options.workload);
-  add_picture(command, options.workload);
+  WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workload);
+  workload.add_tracing();
+  workload.add_task_system();
+  workload.add_picture();
   command.add_option("--queue", options.queue, "work queue");
   command.add_option("--threads", options.threads, "render threads (default: all)")
       ->check(thread_range);
@@ -95,15 +158,19 @@ std::vector<std::string> given(const CLI::App& command) {
     if (option->count() == 0) continue;
     std::string name = option->get_single_name();
     std::ranges::replace(name, '-', '_');
-    names.push_back(name == "queue" ? "queues" : name);
+    if (name == "queue") name = "queues";
+    if (name == "width") name = "packet_width";
+    names.push_back(name);
   }
   return names;
 }
 
 void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
   CLI::App& command = *app.add_subcommand("compare", "compare queues and thread counts");
-  add_tracing(command, options.workload);
-  add_picture(command, options.workload);
+  WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workloads);
+  workload.add_tracing();
+  workload.add_task_system();
+  workload.add_picture();
   command.add_option("--queue,--queues", options.queues, "work queues (default: all)")
       ->delimiter(',');
   command.add_option("--threads", options.threads, "as 1,2,4 (default: up to all)")
@@ -130,6 +197,7 @@ void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
         options.plugins.push_back(std::filesystem::absolute(file).string());
       }
     }
+    workload.expand();
     options.given = given(command);
     shared.code = compare(options, shared.queues);
   });
@@ -144,7 +212,9 @@ void add_list(CLI::App& app, Shared& shared) {
 void add_collide(CLI::App& app, Shared& shared, CollideOptions& options) {
   CLI::App& command = *app.add_subcommand(
       "collide", "another application of the engine: particles that run into a scene");
-  add_tracing(command, options.workload);
+  WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workload);
+  workload.add_tracing();
+  workload.add_task_system();
   command.add_option("--queue", options.queue, "work queue");
   command.add_option("--threads", options.threads, "threads (default: all)")->check(thread_range);
   command.add_option("--particles", options.particles, "how many fly about")
@@ -160,8 +230,9 @@ void add_collide(CLI::App& app, Shared& shared, CollideOptions& options) {
 
 void add_overhead(CLI::App& app, Shared& shared, OverheadOptions& options) {
   CLI::App& command = *app.add_subcommand("overhead", "what measuring and type erasure cost");
-  add_tracing(command, options.workload);
-  add_picture(command, options.workload);
+  WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workload);
+  workload.add_tracing();
+  workload.add_picture();
   command.add_option("--threads", options.threads, "render threads")
       ->capture_default_str()
       ->check(thread_range);

@@ -53,7 +53,7 @@ int render(RenderOptions options, const QueueRegistry& queues) {
                               .warmup = options.warmup,
                               .traverse_share = traverse,
                               .conditions = taken};
-  const auto runs = summarise({&sample, 1}, background);
+  const auto runs = summarise({&sample, 1}, {&background, 1});
   const auto& run = runs[0];
   const auto number = [&](const char* name) { return run[name].get<double>(); };
   const auto percent = [&](const char* name) { return 100 * run[name].get<double>(); };
@@ -66,10 +66,12 @@ int render(RenderOptions options, const QueueRegistry& queues) {
         percent("share_output"));
     if (!options.plain) {
       fmt::print(
-          "RenderLoop    Traverse {:.1f} %, Intersect {:.1f} %, Shade {:.1f} %, queue "
-          "{:.2f} %, waiting {:.1f} %; imbalance {:.2f}\n",
+          "RenderLoop    Traverse {:.1f} %, Intersect {:.1f} %, Shade {:.1f} %, {}waiting "
+          "{:.1f} %; imbalance {:.2f}\n",
           percent("share_traverse"), percent("share_intersect"), percent("share_shade"),
-          percent("share_queue"), percent("share_waiting"), number("imbalance"));
+          run["share_queue"].is_null() ? ""
+                                       : fmt::format("queue {:.2f} %, ", percent("share_queue")),
+          percent("share_waiting"), number("imbalance"));
     }
     fmt::print("frame         {:.0f} rays in {:.0f} tasks, hash {}, threads {}\n",
                number("rays_per_frame"), number("tasks_per_frame"), sample.image_hash,

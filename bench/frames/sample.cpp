@@ -1,25 +1,6 @@
 #include "bench/frames/sample.hpp"
 
-#include <fmt/format.h>
-#include <system_error>
-
-#include "bench/frames/usage_error.hpp"
-
 namespace irt {
-namespace {
-
-std::unique_ptr<Engine> start_engine(const EngineOptions& options, const QueueEntry& queue,
-                                     const Workload& workload) {
-  try {
-    return make_engine(options, queue, workload.accelerator());
-  } catch (const std::system_error& error) {
-    throw UsageError(fmt::format("--threads {}: the system does not start that many ({})",
-                                 options.threads, error.code().message()));
-  }
-}
-
-}  // namespace
-
 void add_counts(std::vector<std::uint64_t>& sum, std::span<const std::uint64_t> counts) {
   while (!counts.empty() && counts.back() == 0) counts = counts.first(counts.size() - 1);
   if (sum.size() < counts.size()) sum.resize(counts.size());
@@ -57,9 +38,9 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
   EngineOptions engine_options = workload.engine_options(options.threads);
   engine_options.measure = options.measure;
   engine_options.cancel = &cancel;
-  const auto engine = start_engine(engine_options, queue, workload);
+  const auto engine = workload.start_engine(engine_options, queue);
   Sample sample;
-  sample.queue = queue.name;
+  sample.queue = uses_queue(workload.options()) ? queue.name : "-";
   sample.threads = options.threads;
   sample.pinned = engine->pinned();
   for (unsigned frame = 0; frame < options.warmup + options.frames && !cancel; ++frame) {
@@ -86,7 +67,7 @@ double traverse_share(Workload& workload, const QueueEntry& queue, unsigned thre
   EngineOptions options = workload.engine_options(threads);
   options.profile_every = 8;
   options.cancel = &cancel;
-  const auto engine = start_engine(options, queue, workload);
+  const auto engine = workload.start_engine(options, queue);
   const TraceProfile profile = engine->run(workload.application()).total().profile;
   const auto traverse = static_cast<double>(profile.traverse_ns);
   const double all = traverse + static_cast<double>(profile.intersect_ns);

@@ -15,7 +15,8 @@ namespace irt {
 /// What was measured. Everything but `seconds` is summed over the frames; times of workers over
 /// frames and workers.
 struct Sample {
-  std::string queue;
+  unsigned workload = 0;  ///< which of several that are compared
+  std::string queue;      ///< "-" where the task system needs none
   unsigned threads = 0;
   unsigned repetition = 0;
   std::vector<double> seconds;  ///< T.Exec of each frame
@@ -33,10 +34,11 @@ struct Sample {
   void add(const FrameStats& frame);
 };
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, queue, threads, repetition, seconds, generate_s,
-                                   render_s, output_s, barrier_s, idle_s, trace_s, shade_s, get_s,
-                                   add_s, imbalance, rays, tasks, added, failed_gets, overflowed,
-                                   lost, doubled, gets, adds, pinned, same_image, image_hash)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, workload, queue, threads, repetition, seconds,
+                                   generate_s, render_s, output_s, barrier_s, idle_s, trace_s,
+                                   shade_s, get_s, add_s, imbalance, rays, tasks, added,
+                                   failed_gets, overflowed, lost, doubled, gets, adds, pinned,
+                                   same_image, image_hash)
 
 struct SampleOptions {
   unsigned threads = 1;

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// All samples of one queue with so many threads, as one.
+// All samples of one workload and queue with so many threads, as one.
 struct Group {
   Sample sum;
   unsigned repetitions = 0;
@@ -18,7 +18,8 @@ std::vector<Group> group(std::span<const Sample> samples) {
   std::vector<Group> groups;
   for (const Sample& sample : samples) {
     auto found = std::ranges::find_if(groups, [&](const Group& group) {
-      return group.sum.queue == sample.queue && group.sum.threads == sample.threads;
+      return group.sum.workload == sample.workload && group.sum.queue == sample.queue &&
+             group.sum.threads == sample.threads;
     });
     if (found == groups.end()) {
       groups.push_back({sample, 1});
@@ -56,6 +57,12 @@ TimeHistogram histogram(const std::vector<std::uint64_t>& counts) {
   return times;
 }
 
+// A choice that was left to the structure is null.
+template <class T>
+Json or_null(const T& chosen) {
+  return chosen == T() ? Json() : Json(chosen);
+}
+
 Json run_of(const Group& group, const Background& background, double one_thread_fps) {
   const Sample& sum = group.sum;
   const WorkloadOptions& options = background.workload;
@@ -66,17 +73,22 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const double rays_per_frame = per(static_cast<double>(sum.rays), frames);
   const TimeHistogram gets = histogram(sum.gets), adds = histogram(sum.adds);
   const auto share = [](double part, double whole) { return per(part, whole); };
+  const bool queued = sum.queue != "-";
+  const auto of_queue = [queued](double figure) { return queued ? Json(figure) : Json(); };
   return {
       {"scene", options.scene},
       {"triangles", background.triangles},
-      {"queue", sum.queue},
+      {"queue", queued ? Json(sum.queue) : Json()},
       {"threads", sum.threads},
       {"bvh", options.bvh},
+      {"kernel", options.kernel},
+      {"packet_width", or_null(options.packet_width)},
+      {"isa", or_null(options.isa)},
+      {"task_system", options.task_system},
       {"frame_buffer", options.frame_buffer},
       {"termination", options.termination},
       {"shader", options.shader},
       {"task_size", options.task_size},
-      {"packet_width", 1},
       {"width", options.width},
       {"height", options.height},
       {"depth", options.depth},
@@ -92,12 +104,12 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"rays_per_second", rays_per_frame * fps},
       {"speed_up", one_thread_fps > 0 ? Json(fps / one_thread_fps) : Json()},
       {"tasks_per_frame", per(static_cast<double>(sum.tasks), frames)},
-      {"get_ns", gets.quantile(0.5)},
-      {"get_ns_p99", gets.quantile(0.99)},
-      {"get_ns_mean", per(sum.get_s * 1e9, static_cast<double>(sum.tasks))},
-      {"add_ns", adds.quantile(0.5)},
-      {"add_ns_p99", adds.quantile(0.99)},
-      {"add_ns_mean", per(sum.add_s * 1e9, static_cast<double>(sum.added))},
+      {"get_ns", of_queue(gets.quantile(0.5))},
+      {"get_ns_p99", of_queue(gets.quantile(0.99))},
+      {"get_ns_mean", of_queue(per(sum.get_s * 1e9, static_cast<double>(sum.tasks)))},
+      {"add_ns", of_queue(adds.quantile(0.5))},
+      {"add_ns_p99", of_queue(adds.quantile(0.99))},
+      {"add_ns_mean", of_queue(per(sum.add_s * 1e9, static_cast<double>(sum.added)))},
       {"failed_gets_per_frame", per(static_cast<double>(sum.failed_gets), frames)},
       {"overflowed_per_frame", per(static_cast<double>(sum.overflowed), frames)},
       {"barrier_wait_ms", per(sum.barrier_s * 1e3, frames * sum.threads)},
@@ -111,7 +123,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"share_traverse", share(sum.trace_s * background.traverse_share, threads_s)},
       {"share_intersect", share(sum.trace_s * (1 - background.traverse_share), threads_s)},
       {"share_shade", share(sum.shade_s, threads_s)},
-      {"share_queue", share(sum.get_s + sum.add_s, threads_s)},
+      {"share_queue", of_queue(share(sum.get_s + sum.add_s, threads_s))},
       {"share_waiting", share(sum.idle_s + sum.barrier_s, threads_s)},
       {"clock_ns", clock_cost_ns()},
       {"lost_tasks", sum.lost},
@@ -133,39 +145,94 @@ double quantile(std::vector<double> values, double q) {
   return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
 }
 
-nlohmann::ordered_json summarise(std::span<const Sample> samples, const Background& background) {
+nlohmann::ordered_json summarise(std::span<const Sample> samples,
+                                 std::span<const Background> backgrounds) {
   const std::vector<Group> groups = group(samples);
-  double one_thread_fps = 0;
+  std::vector<double> one_thread_fps(backgrounds.size());
   for (const Group& one : groups) {
     if (one.sum.threads != 1) continue;
-    one_thread_fps = std::max(one_thread_fps, 1 / quantile(one.sum.seconds, 0.5));
+    double& fps = one_thread_fps[one.sum.workload];
+    fps = std::max(fps, 1 / quantile(one.sum.seconds, 0.5));
   }
   Json runs = Json::array();
-  for (const Group& one : groups) runs.push_back(run_of(one, background, one_thread_fps));
+  for (const Group& one : groups) {
+    const unsigned workload = one.sum.workload;
+    runs.push_back(run_of(one, backgrounds[workload], one_thread_fps[workload]));
+  }
   return runs;
 }
 
+namespace {
+
+// What the table shows of a value.
+std::string shown(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.is_null() ? "-" : value.dump();
+}
+
+struct Column {
+  std::string title, key;
+  std::size_t width = 0;
+};
+
+// The choices in which runs differ, and the queue.
+std::vector<Column> choices_of(const Json& runs) {
+  std::vector<Column> columns;
+  for (const char* key :
+       {"scene", "bvh", "kernel", "packet_width", "isa", "shader", "samples_per_pixel", "depth",
+        "task_size", "frame_buffer", "task_system", "termination", "queue"}) {
+    std::string title = key == std::string_view("packet_width") ? "packet" : key;
+    std::ranges::replace(title, '_', ' ');
+    Column column{title, key, title.size()};
+    bool differs = title == "queue";
+    for (const Json& run : runs) {
+      differs |= run[key] != runs[0][key];
+      column.width = std::max(column.width, shown(run[key]).size());
+    }
+    if (differs) columns.push_back(column);
+  }
+  return columns;
+}
+
+std::string number(const Json& value, int width, int digits) {
+  if (value.is_null()) return fmt::format("{:>{}}", "-", width);
+  return fmt::format("{:>{}.{}f}", value.get<double>(), width, digits);
+}
+
+}  // namespace
+
 std::string table(const nlohmann::ordered_json& runs) {
+  const std::vector<Column> columns = choices_of(runs);
+  std::string text;
+  for (const Column& column : columns) {
+    text += fmt::format("{:<{}}", column.title, column.width + 2);
+  }
   // FPS with quartiles, Mrays/s, speed-up, ns per task in get and add, pops that failed per frame,
   // ms per frame and thread without work and at the barrier.
-  std::string text = fmt::format("{:<16}{:>8}{:>9}  {:<17}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}{:>9}\n",
-                                 "queue", "threads", "FPS", "quartiles", "Mrays/s", "speed-up",
-                                 "get ns", "add ns", "failed", "idle ms", "barr. ms");
+  text += fmt::format("{:>7}{:>9}  {:<17}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}{:>9}\n", "threads", "FPS",
+                      "quartiles", "Mrays/s", "speed-up", "get ns", "add ns", "failed", "idle ms",
+                      "barr. ms");
   std::string last;
+  unsigned lines = 0;  // in a row that differ in the threads only
   for (const auto& run : runs) {
-    const auto queue = run["queue"].get<std::string>();
-    if (!last.empty() && queue != last) text += '\n';
-    last = queue;
-    const std::string speed_up =
-        run["speed_up"].is_null() ? "-" : fmt::format("{:.2f}", run["speed_up"].get<double>());
-    text += fmt::format(
-        "{:<16}{:>8}{:>9.2f}  {:<17}{:>9.3f}{:>9}{:>8.0f}{:>8.0f}{:>9.0f}{:>9.2f}{:>9.2f}\n", queue,
-        run["threads"].get<unsigned>(), run["fps"].get<double>(),
-        fmt::format("{:.2f} to {:.2f}", run["fps_lower_quartile"].get<double>(),
-                    run["fps_upper_quartile"].get<double>()),
-        run["rays_per_second"].get<double>() / 1e6, speed_up, run["get_ns"].get<double>(),
-        run["add_ns"].get<double>(), run["failed_gets_per_frame"].get<double>(),
-        run["idle_ms"].get<double>(), run["barrier_wait_ms"].get<double>());
+    std::string choices;
+    for (const Column& column : columns) {
+      choices += fmt::format("{:<{}}", shown(run[column.key]), column.width + 2);
+    }
+    if (choices != last) {
+      if (lines > 1) text += '\n';
+      lines = 0;
+    }
+    ++lines;
+    last = choices;
+    text += choices + fmt::format("{:>7}", run["threads"].get<unsigned>()) +
+            number(run["fps"], 9, 2) + "  " +
+            fmt::format("{:<17}",
+                        fmt::format("{:.2f} to {:.2f}", run["fps_lower_quartile"].get<double>(),
+                                    run["fps_upper_quartile"].get<double>())) +
+            fmt::format("{:>9.3f}", run["rays_per_second"].get<double>() / 1e6) +
+            number(run["speed_up"], 9, 2) + number(run["get_ns"], 8, 0) +
+            number(run["add_ns"], 8, 0) + number(run["failed_gets_per_frame"], 9, 0) +
+            number(run["idle_ms"], 9, 2) + number(run["barrier_wait_ms"], 9, 2) + '\n';
   }
   return text;
 }

@@ -10,7 +10,7 @@
 
 namespace irt {
 
-/// What all runs of one report have in common.
+/// What all runs of one workload have in common.
 struct Background {
   WorkloadOptions workload;
   std::size_t triangles = 0;
@@ -19,14 +19,15 @@ struct Background {
   nlohmann::json conditions;
 };
 
-/// One object per queue and number of threads, in the order of their first samples. Speeds are
-/// medians over all frames, with quartiles; `speed_up` is against the fastest run with one thread
-/// and null without one. Times of the
-/// queue are per task, in medians, 99th percentiles and means, with the cost of the clock taken
-/// off.
-nlohmann::ordered_json summarise(std::span<const Sample> samples, const Background& background);
+/// One object per workload, queue and number of threads, in the order of their first samples;
+/// `backgrounds` are those of the workloads. Speeds are medians over all frames, with quartiles;
+/// `speed_up` is against the workload's fastest run with one thread and null without one. Times of
+/// the queue are per task, in medians, 99th percentiles and means, with the cost of the clock taken
+/// off, and null where there is no queue.
+nlohmann::ordered_json summarise(std::span<const Sample> samples,
+                                 std::span<const Background> backgrounds);
 
-/// The table that people read: one line per run.
+/// The table that people read: one line per run, with a column for every choice that differs.
 std::string table(const nlohmann::ordered_json& runs);
 
 /// One line per run under a line of names: all fields but the conditions.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "bench/conditions/system.hpp"
@@ -63,6 +64,23 @@ void check_memory(const WorkloadOptions& options, std::uint64_t rays_per_hit) {
       options.width, options.height, options.task_size, needed / 1e9, memory / 1e9));
 }
 
+// What a work queue's render threads can do and others' task systems cannot.
+void check_task_system(const WorkloadOptions& options) {
+  if (uses_queue(options)) return;
+  const std::string_view system = options.task_system;
+  if (options.pin) {
+    throw UsageError(fmt::format(
+        "--pin: the task system {} places its threads itself; --task-system queue binds them",
+        system));
+  }
+  if (options.termination != terminations().front().name) {
+    throw UsageError(
+        fmt::format("--termination {}: the task system {} ends a frame when all tasks are done; "
+                    "--task-system queue has the choice",
+                    options.termination, system));
+  }
+}
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -76,11 +94,19 @@ void check(WorkloadOptions& options) {
   check_range("--size: a width of", options.width, 1, 65'535);
   check_range("--size: a height of", options.height, 1, 65'535);
   entry_of(accelerators(), options.bvh, "BVH");
+  entry_of(triangle_kernels(), options.kernel, "kernel");
   entry_of(frame_buffers(), options.frame_buffer, "frame buffer");
+  entry_of(task_systems(), options.task_system, "task system");
   entry_of(terminations(), options.termination, "termination");
   entry_of(shaders(), options.shader, "shader");
   if (options.scene.empty()) options.scene = built_in_scenes().front().name;
   check_scene(options.scene);
+  check_task_system(options);
+}
+
+bool uses_queue(const WorkloadOptions& options) {
+  std::string name = options.task_system;
+  return entry_of(task_systems(), name, "task system").uses_queue;
 }
 
 Workload::Workload(const WorkloadOptions& options) : options_(options) {
@@ -90,7 +116,15 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   const ShaderEntry& shader = entry_of(shaders(), options_.shader, "shader");
   check_memory(options_, shader.rays_per_hit(scene_));
   const auto loaded = std::chrono::steady_clock::now();
-  accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh, {});
+  const AcceleratorOptions tracing{
+      .kernel = entry_of(triangle_kernels(), options_.kernel, "kernel").kernel,
+      .width = options_.packet_width,
+      .isa = options_.isa};
+  try {
+    accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh, tracing);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--bvh {}: {}", options_.bvh, error.what()));
+  }
   build_s_ = seconds_since(loaded);
   frame_ = entry_of(frame_buffers(), options_.frame_buffer, "frame buffer")
                .make(options_.width, options_.height);
@@ -100,6 +134,17 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
                                                     options_.task_size, options_.samples_per_pixel);
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
+  }
+}
+
+std::unique_ptr<Engine> Workload::start_engine(const EngineOptions& options,
+                                               const QueueEntry& queue) const {
+  std::string name = options_.task_system;
+  try {
+    return entry_of(task_systems(), name, "task system").make(options, queue, *accelerator_);
+  } catch (const std::system_error& error) {
+    throw UsageError(fmt::format("--threads {}: the system does not start that many ({})",
+                                 options.threads, error.code().message()));
   }
 }
 

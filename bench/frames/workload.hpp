@@ -7,7 +7,7 @@
 #include <string>
 
 #include "renderer/bvh/accelerator.hpp"
-#include "renderer/engine/engine.hpp"
+#include "renderer/engine/task_systems.hpp"
 #include "renderer/frame_buffer/frame_buffer.hpp"
 #include "renderer/scene/scene.hpp"
 #include "renderer/shading/image.hpp"
@@ -17,20 +17,27 @@ namespace irt {
 
 /// As given on the command line; the defaults are the thesis' (chapter 4).
 struct WorkloadOptions {
-  std::string scene, bvh, frame_buffer, termination, shader;  ///< empty: the default
-  std::uint32_t task_size = 256;                              ///< packets per task
-  std::uint32_t width = 300, height = 300;                    ///< pixels
-  std::uint32_t depth = 4;                                    ///< bounces
+  /// Names; empty: the default.
+  std::string scene, bvh, kernel, frame_buffer, task_system, termination, shader;
+  unsigned packet_width = 0;                ///< rays per packet; 0: what the structure does best
+  std::string isa;                          ///< instruction set; empty: the machine's best
+  std::uint32_t task_size = 256;            ///< packets per task
+  std::uint32_t width = 300, height = 300;  ///< pixels
+  std::uint32_t depth = 4;                  ///< bounces
   std::uint32_t samples_per_pixel = 1;
   bool pin = false;
 };
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, frame_buffer, termination, shader,
-                                   task_size, width, height, depth, samples_per_pixel, pin)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, kernel, frame_buffer, task_system,
+                                   termination, shader, packet_width, isa, task_size, width, height,
+                                   depth, samples_per_pixel, pin)
 
 /// Puts the names of the defaults where nothing was given. Throws UsageError where a name is
 /// unknown or a number is out of range.
 void check(WorkloadOptions& options);
+
+/// Whether a frame with these options, which were checked, goes through a work queue.
+bool uses_queue(const WorkloadOptions& options);
 
 /// A scene with its structure, ready to be rendered by any engine.
 class Workload {
@@ -38,6 +45,10 @@ class Workload {
   /// Loads and builds. `options` were checked. Throws SceneError, and UsageError where the frame
   /// would need more memory than half of what this machine has.
   explicit Workload(const WorkloadOptions& options);
+
+  /// An engine that renders this workload. `queue` is ignored where the task system needs none.
+  /// Throws UsageError if the threads cannot be started.
+  std::unique_ptr<Engine> start_engine(const EngineOptions& options, const QueueEntry& queue) const;
 
   /// Options of an engine for this workload, but for its threads.
   EngineOptions engine_options(unsigned threads) const;

@@ -15,6 +15,7 @@
 #include "renderer/engine/engine.hpp"
 #include "renderer/engine/placement.hpp"
 #include "renderer/engine/spin_wait.hpp"
+#include "renderer/engine/trace_and_shade.hpp"
 
 namespace irt {
 
@@ -54,15 +55,13 @@ class QueueEngine final : public Engine {
 
   // What one render thread owns; no two share a cache line.
   struct alignas(128) Worker {
-    Worker(unsigned number, std::uint32_t rays)
-        : index(number), hits(rays), occluded(rays), spare(rays) {}
+    Worker(unsigned number, std::uint32_t rays) : index(number), answers(rays), spare(rays) {}
 
     unsigned index;
     WorkerStats stats;
     Clock::time_point mark;       // end of the last interval that was accounted for
     std::vector<Task*> overflow;  // tasks that the queue had no room for
-    Hits hits;
-    LaneArray<std::uint8_t> occluded;
+    Answers answers;
     Task spare;  // holds the copy of a task that came out twice
     alignas(64) std::atomic<bool> idle{false};
   };
@@ -73,7 +72,7 @@ class QueueEngine final : public Engine {
   Task* get(Worker& me);
   void put(Worker& me, Task& task);
   void process(Worker& me, Task& task);
-  void trace_and_shade(Worker& me, const Task& task, TaskSink& children);
+  void answer(Worker& me, const Task& task, TaskSink& children);
   void discard(TaskSink& tasks, unsigned worker);
   void collect(FrameStats& frame, Clock::time_point finished);
   bool discarding() const {
@@ -232,7 +231,7 @@ void QueueEngine<Queue, measured>::process(Worker& me, Task& task) {
   TaskSink children(pool_, me.index);
   if (!discarding()) {
     try {
-      trace_and_shade(me, *source, children);
+      answer(me, *source, children);
     } catch (...) {
       const std::scoped_lock lock(error_mutex_);
       if (!error_) error_ = std::current_exception();
@@ -255,8 +254,7 @@ void QueueEngine<Queue, measured>::process(Worker& me, Task& task) {
 }
 
 template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::trace_and_shade(Worker& me, const Task& task,
-                                                   TaskSink& children) {
+void QueueEngine<Queue, measured>::answer(Worker& me, const Task& task, TaskSink& children) {
   ++me.stats.tasks;
   me.stats.rays[static_cast<std::size_t>(task.kind)] += task.rays.size;
   TraceProfile* profile = nullptr;
@@ -266,16 +264,8 @@ void QueueEngine<Queue, measured>::trace_and_shade(Worker& me, const Task& task,
     }
   }
   std::uint64_t& trace_time = profile != nullptr ? me.stats.profiled_ns : me.stats.trace_ns;
-  if (task.kind == TaskKind::shadow) {
-    const std::span occluded(me.occluded.data(), task.rays.size);
-    accelerator_.any_hit(task.rays, occluded, profile);
-    charge(me, trace_time);
-    application_->on_occlusion(task, occluded, children);
-  } else {
-    accelerator_.closest_hit(task.rays, me.hits, profile);
-    charge(me, trace_time);
-    application_->on_hits(task, me.hits, children);
-  }
+  trace_and_shade(task, accelerator_, *application_, me.answers, children, profile,
+                  [&] { charge(me, trace_time); });
 }
 
 template <class Queue, bool measured>

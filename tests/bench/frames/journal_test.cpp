@@ -20,7 +20,7 @@ Sample sample(const std::string& queue, unsigned repetition) {
   return one;
 }
 
-const nlohmann::json header{{"format", "irt-frames 1"}, {"plan", 7}};
+const nlohmann::json header{{"format", "irt-frames 2"}, {"plan", 7}};
 
 TEST(Journal, GivesBackWhatWasWritten) {
   const TemporaryDirectory directory;
@@ -33,9 +33,10 @@ TEST(Journal, GivesBackWhatWasWritten) {
   EXPECT_EQ(journal.header(), header);
   ASSERT_EQ(journal.samples().size(), 2u);
   EXPECT_EQ(nlohmann::json(journal.samples()[0]), nlohmann::json(sample("lock", 0)));
-  EXPECT_TRUE(journal.has("lfree", 2, 1));
-  EXPECT_FALSE(journal.has("lfree", 2, 0));
-  EXPECT_FALSE(journal.has("lfree", 1, 1));
+  EXPECT_TRUE(journal.has(0, "lfree", 2, 1));
+  EXPECT_FALSE(journal.has(0, "lfree", 2, 0));
+  EXPECT_FALSE(journal.has(0, "lfree", 1, 1));
+  EXPECT_FALSE(journal.has(1, "lfree", 2, 1));
 }
 
 TEST(Journal, ATornLastLineIsCutOffWhereverItWasTorn) {
@@ -62,7 +63,7 @@ TEST(Journal, RefusesWhatIsNoJournal) {
   const auto file = directory / "runs.jsonl";
   EXPECT_THROW(Journal::resume(file), UsageError);
   for (const char* text : {"", "{\"format\":", "not json\n", "{\"format\":\"other\"}\n", "[1]\n",
-                           "{\"format\":\"irt-frames 1\"}\n{\"queue\":3}\n"}) {
+                           "{\"format\":\"irt-frames 2\"}\n{\"queue\":3}\n"}) {
     std::ofstream(file) << text;
     EXPECT_THROW(Journal::resume(file), UsageError) << text;
   }

@@ -37,9 +37,9 @@ TEST(Summary, FiguresAreThoseOfTheThesis) {
   const std::vector<Sample> samples{sample("lock", 1, {1.0, 1.0}), sample("lock", 2, {0.5}),
                                     sample("local", 1, {2.0}), sample("lock", 1, {0.5, 1.0}),
                                     sample("local", 2, {})};
-  Background background;
-  background.triangles = 12;
-  background.traverse_share = 0.75;
+  std::vector<Background> background(1);
+  background[0].triangles = 12;
+  background[0].traverse_share = 0.75;
   const auto runs = summarise(samples, background);
   ASSERT_EQ(runs.size(), 3u);  // without the empty one
   const auto& one = runs[0];
@@ -65,13 +65,38 @@ TEST(Summary, FiguresAreThoseOfTheThesis) {
 
 TEST(Summary, ADifferentHashInOneRepetitionIsSeen) {
   std::vector<Sample> samples{sample("lock", 1, {1.0}), sample("lock", 1, {1.0})};
-  EXPECT_TRUE(summarise(samples, {})[0]["same_image"].get<bool>());
+  EXPECT_TRUE(summarise(samples, std::vector<Background>(1))[0]["same_image"].get<bool>());
   samples[1].image_hash = "e";
-  EXPECT_FALSE(summarise(samples, {})[0]["same_image"].get<bool>());
+  EXPECT_FALSE(summarise(samples, std::vector<Background>(1))[0]["same_image"].get<bool>());
+}
+
+TEST(Summary, WorkloadsAreRunsOfTheirOwnAndTheTableShowsWhereTheyDiffer) {
+  std::vector<Sample> samples{sample("lock", 1, {1.0}), sample("lock", 1, {0.5}),
+                              sample("-", 2, {0.25})};
+  samples[1].workload = 1;
+  samples[2].workload = 2;
+  std::vector<Background> backgrounds(3);
+  backgrounds[0].workload.bvh = "wald";
+  backgrounds[1].workload.bvh = backgrounds[2].workload.bvh = "wide";
+  backgrounds[2].workload.packet_width = 8;
+  const auto runs = summarise(samples, backgrounds);
+  ASSERT_EQ(runs.size(), 3u);
+  EXPECT_EQ(runs[0]["bvh"], "wald");
+  EXPECT_EQ(runs[1]["speed_up"], 1);  // not against the other workload
+  EXPECT_TRUE(runs[0]["packet_width"].is_null());
+  EXPECT_EQ(runs[2]["packet_width"], 8);
+  EXPECT_TRUE(runs[2]["queue"].is_null());
+  EXPECT_TRUE(runs[2]["get_ns"].is_null());
+  const std::string lines = table(runs);
+  EXPECT_EQ(std::ranges::count(lines, '\n'), 4);
+  EXPECT_TRUE(lines.starts_with("bvh   packet  queue  threads")) << lines;
+  EXPECT_NE(lines.find("wide  8       -            2     4.00"), std::string::npos) << lines;
+  EXPECT_TRUE(table(summarise(std::span(&samples[0], 1), backgrounds)).starts_with("queue  thr"));
 }
 
 TEST(Summary, CsvHasALineOfNamesAndALinePerRun) {
-  const auto text = csv(summarise(std::vector{sample("lock", 1, {1.0})}, {}));
+  const auto text =
+      csv(summarise(std::vector{sample("lock", 1, {1.0})}, std::vector<Background>(1)));
   EXPECT_EQ(std::ranges::count(text, '\n'), 2);
   const auto names = text.substr(0, text.find('\n'));
   EXPECT_EQ(std::ranges::count(text, ','), 2 * std::ranges::count(names, ','));

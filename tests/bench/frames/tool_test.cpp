@@ -105,6 +105,15 @@ TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--depth", "65"}, "from 0 to 64");
   expect_one_line({"render", "--frames", "0"}, "--frames");
   expect_one_line({"render", "--nonsense"}, "--nonsense");
+  expect_one_line({"render", "--kernel", "watertigt"}, "watertight");
+  expect_one_line({"render", "--width", "3"}, "1, 4, 8 or 16");
+  expect_one_line({"render", "--bvh", "goncalves", "--width", "8"}, "single rays");
+  expect_one_line({"render", "--bvh", "wald", "--width", "8", "--isa", "mmx"}, "machine");
+  expect_one_line({"render", "--task-system", "qeue"}, "queue");
+  expect_one_line({"render", "--task-system", "tbb", "--pin"}, "--pin");
+  expect_one_line({"render", "--task-system", "tbb", "--termination", "leave-when-empty"},
+                  "--task-system queue");
+  expect_one_line({"compare", "--bvh", "wide,waldd"}, "wald");
   expect_one_line({"render", "--plugin", "/no/such.so"}, "/no/such.so");
   expect_one_line({"render", "--plugin", IRT_FRAMES}, IRT_FRAMES);
   expect_one_line({"compare", "--threads", "1,0"}, "1 to 1024");
@@ -174,18 +183,32 @@ TEST(Tool, EveryChoiceOfTheListCanBeRendered) {
       const std::string name = line.substr(2, line.find(' ', 2) - 2);
       if (option == "--scene") continue;  // the other tests
       const TemporaryDirectory directory;
-      Tool one({"render", "--scene", "office", "--size", "24x24", "--frames", "1", "--warmup", "0",
-                "--json", directory / "a.json", option, name});
+      Arguments arguments{"render",
+                          "--scene",
+                          "office",
+                          "--size",
+                          "24x24",
+                          "--frames",
+                          "1",
+                          "--warmup",
+                          "0",
+                          "--json",
+                          directory / "a.json",
+                          option,
+                          name};
+      if (option == "--kernel") arguments.insert(arguments.end(), {"--bvh", "goncalves"});
+      Tool one(arguments);
       EXPECT_EQ(one.wait(), 0) << option << " " << name << ": " << one.err();
-      const auto run = json_of(directory / "a.json").at(0);
-      if (option != "--frame-buffer" && option != "--shader")
-        hashes.insert(run["image_hash"].get<std::string>());
       ++choices;
+      // These have a say in the picture.
+      if (option == "--frame-buffer" || option == "--shader" || option == "--kernel") continue;
+      const auto run = json_of(directory / "a.json").at(0);
+      hashes.insert(run["image_hash"].get<std::string>());
     } else {
       option.clear();
     }
   }
-  EXPECT_GE(choices, 12);
+  EXPECT_GE(choices, 20);
   EXPECT_EQ(hashes.size(), 1u);
 }
 
@@ -248,6 +271,25 @@ TEST_F(CompareTest, RunsThroughAndAResumeAddsNothing) {
   Tool again({"compare", "--resume", "--out", out});
   EXPECT_EQ(again.wait(), 0) << again.err();
   expect_complete();
+}
+
+TEST_F(CompareTest, EveryChoiceMayBeAListAndBecomesRows) {
+  Tool tool({"compare", "--scene", "office", "--size", "32x32", "--bvh", "wide,wald",
+             "--task-system", "queue,tbb", "--queue", "lock,local", "--threads", "2",
+             "--repetitions", "2", "--frames", "1", "--out", out});
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  const auto runs = json_of(out / "compare.json");
+  ASSERT_EQ(runs.size(), 6u);  // where there is a work queue, one for each
+  std::set<std::string> hashes;
+  for (const auto& run : runs) hashes.insert(run["image_hash"].get<std::string>());
+  EXPECT_EQ(hashes.size(), 1u);
+  EXPECT_EQ(runs[2]["bvh"], "wide");
+  EXPECT_EQ(runs[2]["task_system"], "tbb");
+  EXPECT_TRUE(runs[2]["queue"].is_null());
+  EXPECT_NE(tool.out().find("bvh   task system  queue  threads"), std::string::npos) << tool.out();
+  Tool other({"compare", "--resume", "--out", out, "--bvh", "wide"});
+  EXPECT_EQ(other.wait(), 2);
+  EXPECT_NE(other.err().find("bvh: [\"wide\",\"wald\"] before"), std::string::npos) << other.err();
 }
 
 TEST_F(CompareTest, AnInterruptEndsCleanlyAndResumeGoesOn) {

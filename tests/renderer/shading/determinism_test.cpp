@@ -3,6 +3,7 @@
 #include <string>
 
 #include "queues/registry.hpp"
+#include "renderer/engine/task_systems.hpp"
 #include "renderer/frame_buffer/fixed_point.hpp"
 #include "renderer/scene/scenes.hpp"
 #include "tests/renderer/engine/test_queues.hpp"
@@ -63,6 +64,40 @@ TEST(Determinism, TheHashIsTheSameForEveryQueueThreadCountAndPolicy) {
       }
     }
   }
+}
+
+TEST(Determinism, SoItIsForEveryWidthInstructionSetAndTaskSystem) {
+  Scene scene = load_scene("office");
+  scene.mesh.triangles.resize(2000);  // walls and desk; structures are built many times
+  FixedPointFrameBuffer frame(48, 48);
+  const auto shader = shaders().front().make(scene, frame, {});
+  ImageRendering application(scene.camera, frame, *shader, 64);
+  std::size_t combinations = 0;
+  for (const AcceleratorEntry& structure : accelerators()) {
+    if (structure.name == "none") continue;
+    for (const TriangleKernelEntry& kernel : triangle_kernels()) {
+      std::uint64_t expected = 0;
+      for (const unsigned width : {1u, 4u, 8u, 16u}) {
+        for (const char* isa : {"", "sse4", "avx2", "avx512"}) {
+          std::unique_ptr<Accelerator> accelerator;
+          try {
+            accelerator =
+                structure.build(scene.mesh, {.kernel = kernel.kernel, .width = width, .isa = isa});
+          } catch (const std::invalid_argument&) {
+            continue;  // the structure or this machine has not got it
+          }
+          const TaskSystemEntry& system = task_systems()[combinations++ % task_systems().size()];
+          SCOPED_TRACE(std::string(structure.name) + " " + std::string(kernel.name) + " " +
+                       std::to_string(width) + " " + isa + " " + std::string(system.name));
+          system.make({.threads = 2, .rays_per_task = 64}, built_in_queues().front(), *accelerator)
+              ->run(application);
+          if (expected == 0) expected = frame.hash();
+          ASSERT_EQ(frame.hash(), expected);
+        }
+      }
+    }
+  }
+  EXPECT_GE(combinations, 16u);
 }
 
 TEST(Determinism, SoItIsForEveryShaderWithSeveralSamples) {

@@ -1,0 +1,181 @@
+/// Frames on a task system of somebody else, in place of a work queue.
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "renderer/engine/engine.hpp"
+#include "renderer/engine/task_pool.hpp"
+#include "renderer/engine/trace_and_shade.hpp"
+
+namespace irt {
+
+/// Tasks, memory, tracing and shading are those of the queue-driven engine; threads and schedule
+/// are the system's. `System` has
+///
+///     explicit System(unsigned threads);
+///     template <class Process> void run(const std::vector<Task*>& first, Process process);
+///     template <class Process> void spawn(Task& task, Process process);
+///
+/// `run` returns when every first task and every spawned one has been given to
+/// `process(worker, task)` once, `worker` being less than `threads` and in use by one thread at a
+/// time. `process` calls `spawn`.
+///
+/// When a task is taken out cannot be seen from here, so there are no times of gets and adds: what
+/// a worker does not spend on tracing and shading counts as idle.
+template <class System>
+class ForkedEngine final : public Engine {
+ public:
+  ForkedEngine(const EngineOptions& options, const Accelerator& accelerator)
+      : options_(options),
+        accelerator_(accelerator),
+        pool_(options.threads, options.rays_per_task),
+        system_(options.threads) {
+    for (unsigned i = 0; i < options.threads; ++i) {
+      workers_.push_back(std::make_unique<Worker>(options.rays_per_task));
+    }
+  }
+
+  FrameStats run(Application& application) override;
+  std::size_t tasks_allocated() const override { return pool_.allocated(); }
+  std::size_t tasks_in_use() const override { return pool_.in_use(); }
+  bool pinned() const override { return false; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // No two share a cache line.
+  struct alignas(128) Worker {
+    explicit Worker(std::uint32_t rays) : answers(rays) {}
+
+    WorkerStats stats;
+    Clock::time_point mark;
+    Answers answers;
+    bool inside = false;
+    std::vector<Task*> kept;  // came while `inside`
+  };
+
+  void process(unsigned index, Task& task);
+  void work_on(Worker& me, unsigned index, Task& task);
+  void collect(FrameStats& frame);
+  void charge(Worker& me, std::uint64_t& account) const {
+    if (!options_.measure) return;
+    const Clock::time_point now = Clock::now();
+    account += static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::nanoseconds>(now - me.mark).count());
+    me.mark = now;
+  }
+  bool discarding() const {
+    // Relaxed: a flag to stop early; what it protects is ordered by the end of the frame.
+    return failed_.load(std::memory_order_relaxed) ||
+           (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed));
+  }
+
+  EngineOptions options_;
+  const Accelerator& accelerator_;
+  TaskPool pool_;
+  System system_;
+  Application* application_ = nullptr;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  std::mutex error_mutex_;
+  std::exception_ptr error_;
+  std::atomic<bool> failed_{false};
+};
+
+template <class System>
+void ForkedEngine<System>::process(unsigned index, Task& task) {
+  // A system may run a task within the one that spawns it. Then it waits for that one to end, so
+  // that a long line of descendants needs no deep stack.
+  Worker& me = *workers_[index];
+  if (me.inside) {
+    me.kept.push_back(&task);
+    return;
+  }
+  me.inside = true;
+  work_on(me, index, task);
+  while (!me.kept.empty()) {
+    Task& next = *me.kept.back();
+    me.kept.pop_back();
+    work_on(me, index, next);
+  }
+  me.inside = false;
+}
+
+template <class System>
+void ForkedEngine<System>::work_on(Worker& me, unsigned index, Task& task) {
+  if (options_.measure) me.mark = Clock::now();
+  TaskSink children(pool_, index);
+  if (!discarding()) {
+    ++me.stats.tasks;
+    me.stats.rays[static_cast<std::size_t>(task.kind)] += task.rays.size;
+    const bool profiled = options_.measure && options_.profile_every != 0 &&
+                          me.stats.tasks % options_.profile_every == 0;
+    try {
+      trace_and_shade(task, accelerator_, *application_, me.answers, children,
+                      profiled ? &me.stats.profile : nullptr,
+                      [&] { charge(me, profiled ? me.stats.profiled_ns : me.stats.trace_ns); });
+    } catch (...) {
+      const std::scoped_lock lock(error_mutex_);
+      if (!error_) error_ = std::current_exception();
+      failed_.store(true, std::memory_order_relaxed);
+      for (Task* child : children.finish()) pool_.recycle(index, *child);
+      children.finish().clear();
+    }
+    charge(me, me.stats.shade_ns);
+  }
+  pool_.recycle(index, task);
+  me.stats.added += children.finish().size();
+  for (Task* child : children.finish()) {
+    system_.spawn(*child, [this](unsigned worker, Task& next) { process(worker, next); });
+  }
+}
+
+template <class System>
+FrameStats ForkedEngine<System>::run(Application& application) {
+  pool_.level();
+  for (auto& worker : workers_) worker->stats = {};
+  error_ = nullptr;
+  failed_ = false;
+  application_ = &application;
+
+  const Clock::time_point begin = Clock::now();
+  TaskSink first(pool_, 0, options_.threads);
+  try {
+    application.start_frame(first);
+  } catch (...) {
+    for (Task* task : first.finish()) pool_.recycle(0, *task);
+    throw;
+  }
+  const std::vector<Task*>& tasks = first.finish();
+  const Clock::time_point generated = Clock::now();
+  system_.run(tasks, [this](unsigned worker, Task& task) { process(worker, task); });
+  const Clock::time_point rendered = Clock::now();
+  using Seconds = std::chrono::duration<double>;
+  FrameStats frame;
+  frame.generate_s = Seconds(generated - begin).count();
+  frame.render_s = Seconds(rendered - generated).count();
+  collect(frame);
+  if (error_) std::rethrow_exception(error_);
+
+  const Clock::time_point collected = Clock::now();
+  application.finish_frame();
+  frame.output_s = Seconds(Clock::now() - collected).count();
+  return frame;
+}
+
+template <class System>
+void ForkedEngine<System>::collect(FrameStats& frame) {
+  const auto all = static_cast<std::uint64_t>(frame.render_s * 1e9);
+  for (auto& worker : workers_) {
+    const std::uint64_t busy = worker->stats.busy_ns();
+    if (options_.measure && all > busy) worker->stats.idle_ns = all - busy;
+    frame.workers.push_back(worker->stats);
+  }
+  frame.lost = pool_.in_use();
+  frame.cancelled = options_.cancel != nullptr && *options_.cancel;
+}
+
+}  // namespace irt

@@ -1,0 +1,37 @@
+/// What every task system does with a task: trace its rays and hand the answers on.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "renderer/bvh/accelerator.hpp"
+#include "renderer/engine/application.hpp"
+
+namespace irt {
+
+/// Room for the answers to one task's rays; one per worker.
+struct Answers {
+  explicit Answers(std::uint32_t rays) : hits(rays), occluded(rays) {}
+
+  Hits hits;
+  LaneArray<std::uint8_t> occluded;
+};
+
+/// Traces `task` and lets `application` make of the answers what it will. Calls `traced()` between
+/// the two. What the application throws is passed on.
+template <class Traced>
+void trace_and_shade(const Task& task, const Accelerator& accelerator, Application& application,
+                     Answers& answers, TaskSink& children, TraceProfile* profile, Traced traced) {
+  if (task.kind == TaskKind::shadow) {
+    const std::span occluded(answers.occluded.data(), task.rays.size);
+    accelerator.any_hit(task.rays, occluded, profile);
+    traced();
+    application.on_occlusion(task, occluded, children);
+  } else {
+    accelerator.closest_hit(task.rays, answers.hits, profile);
+    traced();
+    application.on_hits(task, answers.hits, children);
+  }
+}
+
+}  // namespace irt
