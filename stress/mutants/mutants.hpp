@@ -16,6 +16,7 @@ enum Seen : std::uint8_t {
   by_oracles = 1,  ///< histories, hangs and crashes of the plain build
   by_tsan = 2,
   by_asan = 4,
+  by_progress = 8,  ///< the suite that stops threads, in the plain build
 };
 
 struct Mutant {

@@ -32,7 +32,8 @@ class Messenger {
 /// Forks; the child runs `suite` and exits. Fills `result`, whose names are set, from what the
 /// child says and from how it ends. `seconds` is what the suite was told to take: a child that is
 /// silent for `patience` seconds longer is killed. `on_progress` is called with the operations so
-/// far, several times a second.
+/// far, several times a second. A race that ThreadSanitizer reports in a queue with fences gets a
+/// second child and a second look (`strengthen_atomics`).
 ///
 /// The calling process must have no other threads.
 void run_in_child(Result& result, double seconds, double patience,

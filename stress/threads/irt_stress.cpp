@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 #include "stress/threads/kill_matrix.hpp"
 #include "stress/threads/sanitizer.hpp"
@@ -48,7 +50,7 @@ bool is_third_party(std::string_view queue) {
   return comparators.find(fmt::format(" {} ", queue)) != std::string_view::npos;
 }
 
-constexpr std::array suite_names{"scenarios", "progress", "faults", "memory"};
+constexpr std::array<std::string_view, 4> suite_names{"scenarios", "progress", "faults", "memory"};
 
 bool chosen(const std::vector<std::string>& choice, std::string_view name) {
   return std::any_of(choice.begin(), choice.end(),
@@ -113,41 +115,22 @@ class Session {
     const std::string repeat = repeat_command(queue, job, seconds);
     const Assignment assignment{queue, clock_, seconds, options_.seed, repeat};
     const bool terminal = isatty(STDOUT_FILENO) != 0;
+    const auto start = std::chrono::steady_clock::now();
     const auto progress = [&](std::uint64_t operations) {
       if (!terminal) return;
-      fmt::print("\r{:<16} {:<30} {:>11} operations, {} findings\x1b[K", queue.name,
-                 job.scenario != nullptr ? job.scenario->name : job.suite, operations, found());
+      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+      fmt::print("\r{:<16} {:<30} {:>11} operations {:>9.0f}/s, {} findings\x1b[K", queue.name,
+                 job.scenario != nullptr ? job.scenario->name : job.suite, operations,
+                 static_cast<double>(operations) / passed.count(), found());
       std::fflush(stdout);
     };
     std::fflush(stdout);
     run_in_child(
         result, seconds, 30, [&](Messenger& m) { job.run(assignment, m); }, progress);
-    if (result.figures.contains("unjudged_report")) look_again(result, assignment, job, progress);
     for (Finding& finding : result.findings) finding.repeat = repeat;
     if (terminal) fmt::print("\r\x1b[K");
     fmt::print("{}", to_text(result));
     results_.push_back(std::move(result));
-  }
-
-  /// ThreadSanitizer reported a race in a queue with fences, which it does not understand: once
-  /// more with every atomic taken as acquire and release. A race that stays is one.
-  static void look_again(Result& result, const Assignment& assignment, const Job& job,
-                         const std::function<void(std::uint64_t)>& progress) {
-    const std::uint64_t fences = fences_executed();
-    result.figures["strengthened"] = true;
-    run_in_child(
-        result, assignment.seconds, 30,
-        [&](Messenger& m) {
-          strengthen_atomics();
-          job.run(assignment, m);
-        },
-        progress);
-    if (!result.findings.empty()) return;
-    result.limits.push_back(fmt::format(
-        "ThreadSanitizer reports a race, but this queue executes fences (std::atomic_thread_fence; "
-        "{} before the report), which ThreadSanitizer does not understand; with every atomic taken "
-        "as acquire and release it reports none: no verdict",
-        fences));
   }
 
   [[nodiscard]] std::size_t found() const {
@@ -172,19 +155,24 @@ class Session {
   std::vector<Result> results_;
 };
 
+void check_choice(const std::vector<std::string>& choice, std::string_view kind,
+                  const std::vector<std::string_view>& known) {
+  for (const std::string& name : choice) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw UsageError(unknown_name(kind, name, known));
+  }
+}
+
 void check_names(const Options& options) {
-  for (const std::string& name : options.scenarios) {
-    if (name == "all" || find_scenario(name) != nullptr) continue;
-    throw UsageError(fmt::format("no scenario '{}': --list shows them", name));
-  }
-  for (const std::string& name : options.suites) {
-    if (name == "all" ||
-        std::find(suite_names.begin(), suite_names.end(), name) != suite_names.end()) {
-      continue;
-    }
-    throw UsageError(
-        fmt::format("no suite '{}': there are {}", name, fmt::join(suite_names, ", ")));
-  }
+  std::vector<std::string_view> known{"all"};
+  for (const Scenario& scenario : scenarios()) known.push_back(scenario.name);
+  check_choice(options.scenarios, "scenario", known);
+  known = {"all"};
+  known.insert(known.end(), suite_names.begin(), suite_names.end());
+  check_choice(options.suites, "suite", known);
+  known.clear();
+  for (const Mutant& mutant : mutants()) known.push_back(mutant.id);
+  check_choice(options.kill.ids, "mutant", known);
   if (!options.sanitizer.empty() && options.sanitizer != sanitizer_name()) {
     throw UsageError(fmt::format(
         "--sanitizer {}: this program was built with '{}'; ./irt stress --sanitizer {} builds and "
@@ -197,6 +185,11 @@ void list() {
   fmt::print("scenarios\n");
   for (const Scenario& s : scenarios()) fmt::print("  {:<18} {}\n", s.name, s.summary);
   fmt::print("suites\n  {}\n", fmt::join(suite_names, ", "));
+}
+
+void tell_suppressions() {
+  for (const Suppression& s : suppressions())
+    fmt::print("  suppressed: {} ({}: {})\n", s.pattern, s.issue, s.reason);
 }
 
 void write(const std::string& path, const std::string& text) {
@@ -238,6 +231,7 @@ int stress_queues(const Options& options) {
   for (const QueueEntry* queue : queues) {
     if (is_third_party(queue->name) && !std::exchange(third_party, true)) {
       fmt::print("third-party (findings are reported and do not fail the run)\n");
+      if (sanitizer == Sanitizer::thread) tell_suppressions();
     }
     session.stress(*queue);
   }

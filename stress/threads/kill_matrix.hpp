@@ -11,7 +11,7 @@
 namespace irt::stress {
 
 struct KillOptions {
-  std::vector<std::string> ids;  ///< mutants by id; empty for all
+  std::vector<std::string> ids;  ///< mutants by id, which exist; empty for all
   unsigned runs = 1;             ///< of each mutant
   double seconds = 10;           ///< for each run, and a tenth of it for the twin
   std::uint64_t seed = 1;
@@ -21,7 +21,7 @@ struct KillOptions {
 
 /// Runs the mutants that this build's instrument should see, and all twins; prints the matrix.
 /// Returns whether every such mutant was killed in every run and no twin was accused.
-/// Throws std::runtime_error for files that cannot be read or written, or ids that do not exist.
+/// Throws std::runtime_error for files that cannot be read or written.
 bool kill_mutants(const KillOptions& options, const ClockQuality& clock);
 
 }  // namespace irt::stress

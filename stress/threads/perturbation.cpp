@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <string_view>
+#include <unistd.h>
 #include <vector>
 
 namespace irt::stress {
@@ -66,9 +67,13 @@ std::string Perturbation::describe() const {
 }
 
 Disturber::~Disturber() {
-  if (!changed_) return;
-  pthread_setaffinity_np(pthread_self(), sizeof(cpu_set_t), &allowed_cores());
-  set_class(SCHED_OTHER);
+  if (changed_) stop_disturbing(gettid());
+}
+
+void stop_disturbing(pid_t thread) {
+  sched_setaffinity(thread, sizeof(cpu_set_t), &allowed_cores());
+  const sched_param parameter{};
+  sched_setscheduler(thread, SCHED_OTHER, &parameter);
 }
 
 std::uint64_t Disturber::next() {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <sys/types.h>
 
 namespace irt::stress {
 
@@ -18,13 +19,16 @@ struct Perturbation {
   [[nodiscard]] std::string describe() const;
 };
 
+/// Gives `thread` back its cores and, where the system allows that, its scheduling class.
+void stop_disturbing(pid_t thread);
+
 /// Applies a perturbation to the calling thread; every thread has its own.
 class Disturber {
  public:
   Disturber(const Perturbation& what, std::uint64_t seed) : what_(what), random_(seed) {}
   Disturber(const Disturber&) = delete;
   Disturber& operator=(const Disturber&) = delete;
-  /// Gives the thread back its cores and its class.
+  /// As `stop_disturbing`.
   ~Disturber();
 
   /// One edge: usually nothing.

@@ -1,16 +1,19 @@
 // Who can go on while somebody stands still in the middle of an operation? Runners use the queue;
 // the driver suspends one of them where it happens to stand and makes calls of its own. A monitor
-// sees when the driver is stuck.
+// sees when the driver is stuck. A call that ends with a wrong answer is no progress either: in the
+// first part the driver is alone with the victim and must get back what it pushes.
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <fmt/format.h>
-#include <fstream>
-#include <optional>
 #include <string>
 #include <string_view>
+#include <sys/prctl.h>
 #include <thread>
 #include <vector>
 
+#include "stress/threads/kernel_view.hpp"
 #include "stress/threads/signals.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/team.hpp"
@@ -33,7 +36,12 @@ std::string_view name(Doing doing) {
 struct MethodVerdict {
   std::uint64_t passed = 0;   ///< suspensions during which a call of it ended
   std::uint64_t blocked = 0;  ///< suspensions that stopped it
-  std::string evidence = {};  ///< of the first that did
+  std::uint64_t misled = 0;   ///< suspensions that made it answer *empty* or *full* wrongly
+  // Of the first that did one or the other:
+  Doing victim_in = Doing::nothing;
+  Trace victim = {};
+  Trace stuck = {};     ///< where the method stood, if it was stopped
+  unsigned inside = 0;  ///< elements of its own, if it answered wrongly
 };
 
 struct Verdicts {
@@ -45,21 +53,6 @@ struct Verdicts {
   MethodVerdict& of(Doing method) { return method == Doing::push ? push : pop; }
 };
 
-/// CPU time of a thread in nanoseconds; nothing if it cannot be read.
-std::optional<std::uint64_t> cpu_time(pid_t thread) {
-  std::ifstream file(fmt::format("/proc/self/task/{}/schedstat", thread));
-  std::uint64_t time = 0;
-  return file >> time ? std::optional(time) : std::nullopt;
-}
-
-bool sleeps(pid_t thread) {
-  std::ifstream file(fmt::format("/proc/self/task/{}/stat", thread));
-  std::string text;
-  std::getline(file, text);
-  const std::size_t end = text.rfind(')');
-  return end != std::string::npos && end + 2 < text.size() && text[end + 2] == 'S';
-}
-
 std::string stack(const Trace& trace) {
   std::string text;
   for (const std::string& line : describe(trace)) text += fmt::format("    {}\n", line);
@@ -67,6 +60,7 @@ std::string stack(const Trace& trace) {
 }
 
 /// One distribution of roles: the driver is one worker, the runners are the others.
+/// With one runner only, the driver works alone while that one is held.
 class ProgressRun {
  public:
   ProgressRun(const Assignment& assignment, const Cast& cast, unsigned driver, Verdicts& verdicts,
@@ -74,6 +68,7 @@ class ProgressRun {
       : assignment_(assignment),
         cast_(cast),
         driver_(driver),
+        alone_(cast.workers == 2 && cast.pushes(driver) && cast.pops(driver)),
         verdicts_(verdicts),
         messenger_(messenger),
         slots_(cast.workers),
@@ -98,20 +93,25 @@ class ProgressRun {
   }
 
  private:
-  void call(unsigned worker, Doing method) {
+  /// Whether the queue took, or gave, an element.
+  bool call(unsigned worker, Doing method) {
     Slot& slot = slots_[worker];
+    bool moved = false;
     slot.doing.store(method, std::memory_order_relaxed);
     if (method == Doing::push) {
-      if (queue_->push(worker, element(worker, sequences_[worker]))) {
+      moved = queue_->push(worker, element(worker, sequences_[worker]));
+      if (moved) {
         ++sequences_[worker];
         inside_.fetch_add(1, std::memory_order_relaxed);
       }
     } else {
       Element e = 0;
-      if (queue_->pop(worker, e)) inside_.fetch_sub(1, std::memory_order_relaxed);
+      moved = queue_->pop(worker, e);
+      if (moved) inside_.fetch_sub(1, std::memory_order_relaxed);
     }
     slot.doing.store(Doing::nothing, std::memory_order_relaxed);
     slot.done.store(slot.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    return moved;
   }
 
   void use(unsigned worker) {
@@ -137,10 +137,10 @@ class ProgressRun {
         ++verdicts_.suspensions;
         // (1) release: pairs with the acquire load (2)
         victim_.store(&victim, std::memory_order_release);
-        for (const Doing method : {Doing::pop, Doing::push, Doing::pop}) {
-          if (method == Doing::push ? cast_.pushes(driver_) : cast_.pops(driver_)) {
-            call(driver_, method);
-          }
+        if (alone_) {
+          work_alone(victim);
+        } else {
+          try_both(victim, (random >> 60) % 2 == 0 ? Doing::push : Doing::pop);
         }
         if (victim_.exchange(nullptr, std::memory_order_acq_rel) != nullptr) release(victim);
       } else if (inside_.load(std::memory_order_relaxed) < most_inside) {
@@ -152,8 +152,60 @@ class ProgressRun {
         last_word = now;
         messenger_.progress(verdicts_.operations + slots_[driver_].done);
       }
-      if (verdicts_.push.blocked + verdicts_.pop.blocked >= 2 * enough_blocks) break;
+      if (decided()) break;
     }
+  }
+
+  [[nodiscard]] bool holds(const Slot& victim) const {
+    return victim_.load(std::memory_order_relaxed) == &victim;
+  }
+
+  /// Whether each method that the driver may call has been stopped often enough to stop looking.
+  [[nodiscard]] bool decided() const {
+    const auto enough = [](const MethodVerdict& v) {
+      return v.blocked + v.misled >= enough_blocks;
+    };
+    return (!cast_.pushes(driver_) || enough(verdicts_.push)) &&
+           (!cast_.pops(driver_) || enough(verdicts_.pop));
+  }
+
+  void try_both(const Slot& victim, Doing first) {
+    for (const Doing method : {first, first == Doing::push ? Doing::pop : Doing::push}) {
+      if (method == Doing::push ? !cast_.pushes(driver_) : !cast_.pops(driver_)) continue;
+      call(driver_, method);
+      // Where the monitor had to let the victim go, what follows would prove nothing.
+      if (!holds(victim)) return;
+      ++verdicts_.of(method).passed;
+    }
+  }
+
+  /// Nobody else moves. Empties the queue, then pushes and pops until a ring of the capacity has
+  /// gone round: the queue must take each element and give it back. The victim's own operation may
+  /// take effect at any moment, so one element more or less proves nothing.
+  void work_alone(const Slot& victim) {
+    while (holds(victim) && call(driver_, Doing::pop)) {
+    }
+    unsigned own = 0;
+    for (std::size_t turn = 0; turn < 2 * capacity && holds(victim); ++turn) {
+      if (!call(driver_, Doing::push)) return mislead(Doing::push, own, victim);
+      ++own;
+      if (call(driver_, Doing::pop)) {
+        --own;
+      } else if (own > 1) {
+        return mislead(Doing::pop, own, victim);
+      }
+    }
+    if (!holds(victim)) return;
+    ++verdicts_.push.passed;
+    ++verdicts_.pop.passed;
+  }
+
+  void mislead(Doing method, unsigned own, const Slot& victim) {
+    if (!holds(victim)) return;
+    MethodVerdict& verdict = verdicts_.of(method);
+    if (verdict.misled++ + verdict.blocked > 0) return;
+    note_victim(verdict, victim);
+    verdict.inside = own;
   }
 
   /// Notices a driver who has stood in one call for 0.1 s, with time on a core or asleep on a lock,
@@ -188,17 +240,19 @@ class ProgressRun {
   void block(Doing method, const Slot& victim) {
     MethodVerdict& verdict = verdicts_.of(method);
     if (verdict.blocked++ > 0) return;
-    verdict.evidence =
-        fmt::format("  suspended in {}:\n{}", name(victim.doing.load(std::memory_order_relaxed)),
-                    stack(victim.trace));
-    if (Slot& stuck = slots_[driver_]; ask_trace(stuck)) {
-      verdict.evidence += fmt::format("  stuck in {}:\n{}", name(method), stack(stuck.trace));
-    }
+    note_victim(verdict, victim);
+    if (Slot& stuck = slots_[driver_]; ask_trace(stuck)) verdict.stuck = stuck.trace;
+  }
+
+  static void note_victim(MethodVerdict& verdict, const Slot& victim) {
+    verdict.victim_in = victim.doing.load(std::memory_order_relaxed);
+    verdict.victim = victim.trace;
   }
 
   const Assignment& assignment_;
   Cast cast_;
   unsigned driver_;
+  bool alone_;  ///< with the victim
   Verdicts& verdicts_;
   Messenger& messenger_;
   std::vector<Slot> slots_;
@@ -209,24 +263,43 @@ class ProgressRun {
   std::atomic<bool> stop_{false};
 };
 
+std::string evidence(Doing method, const MethodVerdict& verdict) {
+  const std::string text =
+      fmt::format("  suspended in {}:\n{}", name(verdict.victim_in), stack(verdict.victim));
+  if (verdict.blocked > 0)
+    return text + fmt::format("  stuck in {}:\n{}", name(method), stack(verdict.stuck));
+  return text +
+         fmt::format(
+             "  meanwhile the only other thread's {} answered {} with {} of {} places taken\n",
+             name(method), method == Doing::push ? "full" : "empty", verdict.inside, capacity);
+}
+
 void tell(const Assignment& assignment, Doing method, const Verdicts& verdicts,
           Messenger& messenger) {
   const MethodVerdict& verdict = method == Doing::push ? verdicts.push : verdicts.pop;
   const Claims& claims = assignment.queue.claims;
   const Progress claimed = method == Doing::push ? claims.push : claims.pop;
-  const bool blocking = verdict.blocked > 0;
-  messenger.figure(std::string(name(method)), blocking ? "blocking" : "goes on");
-  if (blocking && claimed != Progress::blocking) {
+  const bool stops = verdict.blocked + verdict.misled > 0;
+  messenger.figure(std::string(name(method)), stops ? "blocking" : "goes on");
+  // A wrong *empty* or *full* breaks a claim where the order of the queue makes it wrong.
+  const bool fifo = claims.ordering == Ordering::fifo_happens_before ||
+                    claims.ordering == Ordering::fifo_real_time;
+  if (!stops) {
+    messenger.note(fmt::format("{}: went on in all of {} suspensions{}", name(method),
+                               verdict.passed,
+                               claimed == Progress::blocking ? " (claimed: blocking)" : ""));
+  } else if (claimed == Progress::blocking) {
+    messenger.note(fmt::format("{}: blocking, as claimed", name(method)));
+  } else if (verdict.blocked > 0 || fifo) {
     messenger.finding(
         {.claim = fmt::format("{} goes on when another thread is stopped", name(method)),
-         .evidence = verdict.evidence,
+         .evidence = evidence(method, verdict),
          .repeat = assignment.repeat});
-  } else if (blocking) {
-    messenger.note(fmt::format("{}: blocking, as claimed", name(method)));
   } else {
-    messenger.note(fmt::format("{}: went on in all of {} suspensions{}", name(method),
-                               verdicts.suspensions,
-                               claimed == Progress::blocking ? " (claimed: blocking)" : ""));
+    messenger.note(fmt::format(
+        "{}: answered {} because of a stopped thread in {} of {} suspensions; its order allows it",
+        name(method), method == Doing::push ? "full" : "empty", verdict.misled,
+        verdict.misled + verdict.passed));
   }
 }
 
@@ -239,17 +312,25 @@ void run_progress(const Assignment& assignment, Messenger& messenger) {
     messenger.note("each worker has a queue of its own: nobody can stop another");
     return;
   }
-  const Cast cast =
-      cast_for({.name = "progress",
-                .summary = "",
-                .pushers = 3,
-                .poppers = 3,
-                .together = claims.producers != Callers::one && claims.consumers != Callers::one},
-               claims);
+  // Threads inherit it: the naps around a suspension last as long as they say.
+  prctl(PR_SET_TIMERSLACK, 1);
+  const bool together = claims.producers != Callers::one && claims.consumers != Callers::one;
+  const auto cast = [&](unsigned workers) {
+    return cast_for({.name = "progress",
+                     .summary = "",
+                     .pushers = workers,
+                     .poppers = workers,
+                     .together = together},
+                    claims);
+  };
   Verdicts verdicts;
-  // The first worker may push, the last may pop: each is the driver for half of the time.
-  for (const unsigned driver : {0U, cast.workers - 1}) {
-    ProgressRun(assignment, cast, driver, verdicts, messenger).run(assignment.seconds / 2);
+  if (together) {
+    ProgressRun(assignment, cast(2), 0, verdicts, messenger).run(0.2 * assignment.seconds);
+  }
+  const Cast several = cast(3);
+  // The first worker may push, the last may pop: each is the driver for a part of the time.
+  for (const unsigned driver : {0U, several.workers - 1}) {
+    ProgressRun(assignment, several, driver, verdicts, messenger).run(0.4 * assignment.seconds);
   }
   messenger.progress(verdicts.operations);
   messenger.figure("suspensions", verdicts.suspensions);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace irt::stress {
@@ -35,6 +36,14 @@ constexpr std::string_view sanitizer_name() {
   }
   return "?";
 }
+
+/// Reports that ThreadSanitizer leaves out, each for a reason that its maintainers know.
+struct Suppression {
+  std::string_view pattern;  ///< as ThreadSanitizer reads it
+  std::string_view issue;    ///< where it stands upstream
+  std::string_view reason;
+};
+std::span<const Suppression> suppressions();
 
 /// How many fences this process and its children have executed, since `forget_fences`, that
 /// ThreadSanitizer does not understand. Always 0 without ThreadSanitizer.

@@ -281,8 +281,8 @@ void run_scenario(const Assignment& assignment, const Scenario& scenario, Messen
   if (const std::uint64_t fences = fences_executed(); fences > 0) {
     messenger.figure("fences", fences);
     messenger.limit(fmt::format(
-        "{} fences executed: ThreadSanitizer does not understand std::atomic_thread_fence, so "
-        "silence proves less and a report would not be believed",
+        "{} times std::atomic_thread_fence, which ThreadSanitizer does not understand: silence "
+        "proves less, and a report is looked at twice",
         fences));
   }
 }

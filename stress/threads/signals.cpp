@@ -243,8 +243,8 @@ std::vector<std::string> describe(const Trace& trace) {
   });
   lines.erase(lines.begin(), handler.base());
   const auto runner = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) {
-    return has(line, {"irt::stress::Core::", "irt::stress::Team::", "start_thread",
-                      "ProgressRunner", "irt::stress::mix("});
+    return has(line, {"irt::stress::Core::", "(irt::stress::Core&)",
+                      "irt::stress::Team::", "ProgressRun", "start_thread"});
   });
   lines.erase(runner, lines.end());
   return lines;

@@ -19,7 +19,12 @@ void irt::stress::strengthen_atomics() {
   strong = true;
 }
 
+// As tail calls, so that a report names who made the access.
+#if defined(__clang__)
 #define IRT_UNWATCHED __attribute__((no_sanitize("thread")))
+#else
+#define IRT_UNWATCHED __attribute__((no_sanitize("thread"), optimize("optimize-sibling-calls")))
+#endif
 
 // NOLINTBEGIN(bugprone-reserved-identifier, bugprone-macro-parentheses,
 // readability-identifier-naming)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "stress/threads/kernel_view.hpp"
+#include "stress/threads/perturbation.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/signals.hpp"
 
@@ -11,7 +13,11 @@ using namespace std::chrono_literals;
 
 Watchdog::Watchdog(std::vector<Slot>& slots, std::chrono::milliseconds patience,
                    Messenger& messenger)
-    : slots_(slots), patience_(patience), messenger_(messenger), thread_([this] { watch(); }) {}
+    : slots_(slots),
+      patience_(patience),
+      messenger_(messenger),
+      cpu_times_(slots.size()),
+      thread_([this] { watch(); }) {}
 
 Watchdog::~Watchdog() {
   stop_.store(true, std::memory_order_relaxed);
@@ -28,17 +34,43 @@ std::uint64_t Watchdog::operations() const {
 void Watchdog::watch() {
   std::uint64_t seen = operations();
   auto last_move = std::chrono::steady_clock::now();
+  bool remembered = false;
   for (int tick = 0; !stop_.load(std::memory_order_relaxed); ++tick) {
     std::this_thread::sleep_for(20ms);
-    const auto now = std::chrono::steady_clock::now();
+    const auto still = std::chrono::steady_clock::now() - last_move;
     if (const std::uint64_t operations_now = operations(); operations_now != seen) {
       seen = operations_now;
-      last_move = now;
-    } else if (now - last_move > patience_) {
+      last_move += still;
+      remembered = false;
+    } else if (still > patience_ / 4 && !remembered) {
+      remember();
+      remembered = true;
+    } else if (still > patience_ * 20 || (still > patience_ && all_had_their_turn())) {
       report();
     }
     if (tick % 10 == 0) messenger_.progress(seen);
   }
+}
+
+void Watchdog::remember() {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const pid_t thread = slots_[i].thread.load(std::memory_order_relaxed);
+    if (thread == 0) continue;
+    stop_disturbing(thread);
+    cpu_times_[i] = cpu_time(thread).value_or(0);
+  }
+}
+
+bool Watchdog::all_had_their_turn() const {
+  constexpr std::uint64_t share = 100'000'000;  // nanoseconds; an operation takes microseconds
+  bool anybody = false;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].doing.load(std::memory_order_relaxed) == Doing::nothing) continue;
+    anybody = true;
+    const pid_t thread = slots_[i].thread.load(std::memory_order_relaxed);
+    if (!sleeps(thread) && cpu_time(thread).value_or(0) < cpu_times_[i] + share) return false;
+  }
+  return anybody;
 }
 
 void Watchdog::report() {

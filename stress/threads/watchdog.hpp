@@ -15,7 +15,8 @@ namespace irt::stress {
 class Watchdog {
  public:
   /// `slots` outlives it. After `patience` without a finished operation in any slot, reports a
-  /// hang, with the stacks of all slots that are occupied, and ends the process.
+  /// hang, with the stacks of all slots that are occupied, and ends the process; but not while a
+  /// thread waits for a processor that others keep busy.
   Watchdog(std::vector<Slot>& slots, std::chrono::milliseconds patience, Messenger& messenger);
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -26,11 +27,17 @@ class Watchdog {
 
  private:
   void watch();
+  /// Whether each thread that is inside an operation has waited for something or has had its share
+  /// of a processor since `remember()`.
+  [[nodiscard]] bool all_had_their_turn() const;
+  /// Notes everybody's processor time, and ends perturbations that keep a processor from them.
+  void remember();
   [[noreturn]] void report();
 
   std::vector<Slot>& slots_;
   std::chrono::milliseconds patience_;
   Messenger& messenger_;
+  std::vector<std::uint64_t> cpu_times_;  ///< of each slot's thread, when nothing moved any more
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "broken_queues.hpp"
+#include "fenced_ring.hpp"
+#include "stress/mutants/recycled.hpp"
+#include "stress/mutants/rings.hpp"
 #include "stress/threads/child.hpp"
 #include "stress/threads/sanitizer.hpp"
 
@@ -76,6 +79,23 @@ TEST(ScenarioSuite, AHangIsAFindingWithStacks) {
       << result.findings[0].evidence;
 }
 
+// The limit of ThreadSanitizer that the report must name, and no more than that.
+TEST(SecondLook, ARaceThatFencesExplainIsALimit) {
+  if (sanitizer != Sanitizer::thread) GTEST_SKIP() << "the other builds do not look at races";
+  const Result result = run_on(queue_entry<Fenced<false>::Queue>("fenced"), "spsc");
+  EXPECT_EQ(claim_of(result), "nothing") << result.findings[0].evidence;
+  EXPECT_TRUE(result.figures.contains("strengthened"));
+  ASSERT_FALSE(result.limits.empty());
+  EXPECT_NE(result.limits.back().find("no verdict"), std::string::npos) << result.limits.back();
+}
+
+TEST(SecondLook, ARaceThatNoFenceCoversIsAFinding) {
+  if (sanitizer != Sanitizer::thread) GTEST_SKIP() << "the other builds do not look at races";
+  const Result result = run_on(queue_entry<Fenced<true>::Queue>("fenced"), "spsc", 2);
+  EXPECT_EQ(claim_of(result), "free of data races (ThreadSanitizer)");
+  EXPECT_TRUE(result.figures.contains("strengthened"));
+}
+
 TEST(ProgressSuite, SeesThatALockBlocks) {
   if (sanitizer != Sanitizer::none) GTEST_SKIP() << "signals are delayed";
   const Result honest = run(broken_entry<Defect::none>(), 3, run_progress);
@@ -83,6 +103,23 @@ TEST(ProgressSuite, SeesThatALockBlocks) {
   const Result boast = run(broken_entry<Defect::none, Progress::lock_free>(), 3, run_progress);
   EXPECT_NE(claim_of(boast).find("goes on when another thread is stopped"), std::string::npos)
       << claim_of(boast);
+}
+
+TEST(ProgressSuite, SeesThatAStoppedThreadHidesElements) {
+  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "signals are delayed";
+  const Result boast = run(queue_entry<Vyukov<VyukovBug::boasts>::Queue>("boast"), 5, run_progress);
+  EXPECT_NE(claim_of(boast).find("goes on when another thread is stopped"), std::string::npos)
+      << claim_of(boast);
+  EXPECT_NE(boast.findings[0].evidence.find("answered"), std::string::npos)
+      << boast.findings[0].evidence;
+}
+
+TEST(ProgressSuite, LeavesALockFreeQueueAlone) {
+  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "signals are delayed";
+  const Result result =
+      run(queue_entry<Recycled<RecycledBug::none>::Queue>("list"), 2, run_progress);
+  EXPECT_EQ(claim_of(result), "nothing") << result.findings[0].evidence;
+  EXPECT_GT(result.figures.value("suspensions", 0), 0);
 }
 
 TEST(FaultSuite, FindsHalfDonePushesAndLeaks) {
