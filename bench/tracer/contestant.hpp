@@ -22,8 +22,9 @@ class Contestant {
   virtual ~Contestant() = default;
 
   virtual std::string_view name() const = 0;
-  /// Whether it answers to the bit like the other contestants of this project.
   virtual bool is_ours() const = 0;
+  /// Whether it answers to the bit like this project's structures with their default kernel.
+  virtual bool same_bits() const = 0;
   /// As irt::Accelerator, with this scene's triangle numbers.
   virtual void closest_hit(const Rays& rays, Hits& hits) const = 0;
   virtual void any_hit(const Rays& rays, std::span<std::uint8_t> occluded) const = 0;

@@ -227,6 +227,7 @@ class Embree final : public Contestant {
 
   std::string_view name() const override { return way_.name; }
   bool is_ours() const override { return false; }
+  bool same_bits() const override { return false; }
   void closest_hit(const Rays& rays, Hits& hits) const override {
     way_.closest(scene_->handle(), way_.coherent, rays, hits);
   }

@@ -68,14 +68,15 @@ class Report {
   }
 
   void disagreement(RayKind kind, const Contestant& contestant, const Disagreement& found) {
-    const std::uint64_t wrong = contestant.is_ours() ? found.bits : found.missed + found.elsewhere;
+    const std::uint64_t wrong =
+        contestant.same_bits() ? found.bits : found.missed + found.elsewhere;
     if (wrong == 0) return;
     const bool finding =
-        contestant.is_ours() ||
+        contestant.same_bits() ||
         static_cast<double>(wrong) > most_disagreement * static_cast<double>(found.rays);
     fmt::print("  {} {}: {} of {} {} rays answered otherwise{}\n", finding ? "FINDING" : "note",
                contestant.name(), wrong, found.rays, name_of(kind),
-               contestant.is_ours() ? "; ours must agree to the bit" : " (rays along edges)");
+               contestant.same_bits() ? "; ours must agree to the bit" : " (rays along edges)");
     findings_ += finding;
   }
 
@@ -225,7 +226,8 @@ int run(int argc, char** argv) {
   Options options;
   app.add_option("--scene", options.scenes, "scenes by name or file; all built-in ones if none");
   app.add_option("--contestants", options.contestants,
-                 "comma-separated names, or all; 'wide 16 groups' is what the renderer uses")
+                 "comma-separated names, or all; 'wide 16' is a structure and its packets' width, "
+                 "'wide 16 watertight' one with another kernel")
       ->delimiter(',');
   app.add_option("--side", options.sides, "pixels along a side of the picture")
       ->delimiter(',')

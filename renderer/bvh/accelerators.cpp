@@ -1,8 +1,5 @@
 /// The list of structures: a new one adds its header and its line.
-#include <algorithm>
 #include <array>
-#include <stdexcept>
-#include <string>
 
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/bvh/brute_force.hpp"
@@ -18,31 +15,9 @@ std::unique_ptr<Accelerator> build(const Mesh& mesh, const AcceleratorOptions& o
   return std::make_unique<Structure>(mesh, options);
 }
 
-std::unique_ptr<Accelerator> build_wide(const Mesh& mesh, const AcceleratorOptions& options) {
-  if (options.kernel != TriangleKernel::moller_trumbore) {
-    throw std::invalid_argument("wide: tests triangles by moller-trumbore only");
-  }
-  if (!options.isa.empty()) {
-    throw std::invalid_argument("instruction set \"" + std::string(options.isa) +
-                                "\": wide takes the machine's best; none would be right");
-  }
-  constexpr std::array<unsigned, 5> widths{0, 1, 4, 8, 16};
-  if (std::find(widths.begin(), widths.end(), options.width) == widths.end()) {
-    throw std::invalid_argument("packet width " + std::to_string(options.width) +
-                                ": 1, 4, 8 or 16 would be right, or 0 for the best");
-  }
-  WideOptions wide;
-  if (options.width != 0) wide.width = static_cast<int>(options.width);
-  if (options.executor != nullptr) {
-    return std::make_unique<Wide>(mesh, *options.executor, wide);
-  }
-  ThreadExecutor executor;
-  return std::make_unique<Wide>(mesh, executor, wide);
-}
-
 constexpr std::array entries{
     AcceleratorEntry{"wide", "eight children per node, SIMD, built in parallel: the fastest",
-                     build_wide},
+                     build<Wide>},
     AcceleratorEntry{"goncalves", "binary, pointers, one triangle per leaf (thesis 5.1)",
                      build<Goncalves>},
     AcceleratorEntry{"wald",

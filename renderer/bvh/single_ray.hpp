@@ -34,7 +34,8 @@ struct KernelRay : TraversalRay {
   bool crosses(const Triangle& triangle, Hit& hit) const {
     const scalar::CornersOf<float> corners{vec_of(triangle.a), vec_of(triangle.b),
                                            vec_of(triangle.c)};
-    const auto crossing = Kernel::cross_at(Kernel::template prepare<float>(corners), line);
+    const auto crossing =
+        scalar::cross_at<Kernel, float>(Kernel::template prepare<float>(corners), line);
     if (!crossing.met) return false;
     hit = {crossing.t, crossing.u, crossing.v, no_triangle};
     return true;

@@ -61,16 +61,7 @@ Box bounds_of(std::span<const Reference> references) {
 /// Null for single rays.
 const WaldPackets* packets_for(const AcceleratorOptions& options) {
   if (options.width <= 1) return nullptr;
-  if (options.width != 4 && options.width != 8 && options.width != 16) {
-    throw std::invalid_argument("packet width " + std::to_string(options.width) +
-                                ": 1, 4, 8 or 16 would be right, or 0 for 1");
-  }
-  const WaldPackets* const packets = wald_packets(options.isa, options.kernel, options.width);
-  if (packets == nullptr) {
-    throw std::invalid_argument("instruction set \"" + std::string(options.isa) +
-                                "\": not one of this machine; none takes the best");
-  }
-  return packets;
+  return wald_packets(options.isa, options.kernel, options.width);
 }
 
 /// What concerns packets is checked by `packets_for`.

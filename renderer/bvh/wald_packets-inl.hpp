@@ -164,7 +164,7 @@ class WaldTracer {
                                        broadcast<Lanes>(one.corners.b),
                                        broadcast<Lanes>(one.corners.c)};
         const CrossingOf<Lanes> crossing =
-            Kernel::cross_at(Kernel::template prepare<Lanes>(corners), line);
+            cross_at<Kernel, Lanes>(Kernel::template prepare<Lanes>(corners), line);
         if (any(crossing.met)) accept(crossing, one, packet);
       }
     }

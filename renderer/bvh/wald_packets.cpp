@@ -4,7 +4,6 @@
 #define HWY_TARGET_INCLUDE "renderer/bvh/wald_packets.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include <hwy/targets.h>
 
 #include "renderer/bvh/wald_packets-inl.hpp"
 
@@ -63,41 +62,15 @@ const WaldPackets* packets_of(TriangleKernel kernel, unsigned width) {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "renderer/bvh/simd_targets.hpp"
+
 namespace irt {
-namespace {
-
-struct Target {
-  std::int64_t bit;
-  std::string_view isa;
-  const WaldPackets* (*packets_of)(TriangleKernel kernel, unsigned width);
-};
-
-/// The best first.
-constexpr Target targets[] {
-#if HWY_TARGETS & HWY_AVX3
-  {HWY_AVX3, "avx512", N_AVX3::packets_of},
-#endif
-#if HWY_TARGETS & HWY_AVX2
-      {HWY_AVX2, "avx2", N_AVX2::packets_of},
-#endif
-#if HWY_TARGETS & HWY_SSE4
-      {HWY_SSE4, "sse4", N_SSE4::packets_of},
-#endif
-#if HWY_TARGETS & HWY_NEON
-      {HWY_NEON, "neon", N_NEON::packets_of},
-#endif
-};
-
-}  // namespace
 
 const WaldPackets* wald_packets(std::string_view isa, TriangleKernel kernel, unsigned width) {
-  const std::int64_t supported = hwy::SupportedTargets();
-  for (const Target& target : targets) {
-    if ((supported & target.bit) != 0 && (isa.empty() || isa == target.isa)) {
-      return target.packets_of(kernel, width);
-    }
-  }
-  return nullptr;
+  using Code = const WaldPackets* (*)(TriangleKernel, unsigned);
+  static constexpr SimdTarget<Code> targets[] IRT_SIMD_TARGETS(packets_of);
+  check_packet_width(width);
+  return code_for<Code>(isa, targets)(kernel, width);
 }
 
 }  // namespace irt

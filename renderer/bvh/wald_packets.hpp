@@ -45,8 +45,8 @@ struct WaldPackets {
   void (*any)(WaldView tree, const Rays& rays, std::span<std::uint8_t> occluded, TickProbe* probe);
 };
 
-/// The code for `isa` ("sse4", "avx2", "avx512"; empty for the machine's best) and a `width` of 4,
-/// 8 or 16; null where the machine lacks it.
+/// The code for `isa` of AcceleratorOptions and a `width` of 4, 8 or 16. Throws
+/// std::invalid_argument where the machine lacks it.
 const WaldPackets* wald_packets(std::string_view isa, TriangleKernel kernel, unsigned width);
 
 }  // namespace irt

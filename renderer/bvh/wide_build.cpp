@@ -12,7 +12,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "renderer/bvh/wide_split-inl.h"
+#include "renderer/bvh/wide_split-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace irt::HWY_NAMESPACE {

@@ -80,6 +80,12 @@ struct alignas(32) WideBlock {
   }
 };
 
+/// The triangles of a leaf.
+struct WideLeaf {
+  const WideBlock* blocks;
+  std::uint32_t count;  ///< of triangles, in [1, wide_most_in_leaf]
+};
+
 /// Nodes in depth-first order, the root first, and the blocks in the order of their leaves.
 /// Without triangles there are no nodes.
 struct WideBvh {
@@ -89,6 +95,10 @@ struct WideBvh {
   /// each weighted by its share of the root's surface (MacDonald and Booth 1990).
   double sah_cost = 0;
   Box box;  ///< around everything
+
+  WideLeaf leaf(WideChild child) const {
+    return {blocks.data() + child.first_block(), child.count()};
+  }
 
   std::size_t memory_bytes() const {
     return nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(WideBlock);

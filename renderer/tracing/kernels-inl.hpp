@@ -1,9 +1,13 @@
 /// Ray against triangle, written once: for one float, for a packet of rays against one triangle,
 /// and for one ray against several triangles. Included once per target.
 ///
-/// A kernel has what it knows of a triangle and of a ray beforehand (`prepare`), and the test
-/// itself (`cross_at`). Operations and their order are the same for every type, nothing is fused,
-/// so every width and instruction set gives the same bits. Different kernels differ by rounding.
+/// A kernel has what it knows of a triangle and of a ray beforehand (`prepare`), what the ray's
+/// origin adds to the triangle (`see`; rays that share an origin share it), and the test itself
+/// (`cross_at`). Operations and their order are the same for every type, nothing is fused, so every
+/// width and instruction set gives the same bits. Different kernels differ by rounding.
+///
+/// Whatever a kernel prepares consists of values of one type `F` only, and its `from` makes it of a
+/// function that gives them in their order: so it can be moved between types.
 ///
 /// Points, needles and NaNs are met by none.
 #if defined(IRT_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
@@ -22,6 +26,11 @@ namespace irt::HWY_NAMESPACE {
 template <class F>
 struct VecOf {
   F x, y, z;
+
+  template <class Next>
+  HWY_INLINE static VecOf from(Next& next) {
+    return {next(), next(), next()};
+  }
 };
 template <class F>
 HWY_INLINE VecOf<F> operator-(const VecOf<F>& a, const VecOf<F>& b) {
@@ -42,12 +51,24 @@ HWY_INLINE VecOf<F> broadcast(const Vec3& a) {
 
 template <class F>
 struct CornersOf {
+  using Value = F;
   VecOf<F> a, b, c;
+
+  template <class Next>
+  HWY_INLINE static CornersOf from(Next& next) {
+    return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next)};
+  }
 };
 
 template <class F>
 struct LineOf {
+  using Value = F;
   VecOf<F> origin, direction;
+
+  template <class Next>
+  HWY_INLINE static LineOf from(Next& next) {
+    return {VecOf<F>::from(next), VecOf<F>::from(next)};
+  }
 };
 
 /// Where lines cross triangles; `t`, `u`, `v` are undefined where `met` is false.
@@ -63,13 +84,59 @@ HWY_INLINE TruthOf<F> is_invertible(const F& a) {
   return both(a >= F(std::numeric_limits<float>::min()), a <= F(std::numeric_limits<float>::max()));
 }
 
+/// The whole test of `Kernel` on a triangle and a line that it has prepared.
+template <class Kernel, class F>
+HWY_INLINE CrossingOf<F> cross_at(const typename Kernel::template Triangle<F>& triangle,
+                                  const typename Kernel::template Line<F>& line) {
+  return Kernel::cross_at(Kernel::see(triangle, line.origin), line);
+}
+
+/// What a kernel has prepared for N things, ready to be taken out one by one.
+template <class From, int N>
+class ByLane {
+ public:
+  explicit HWY_INLINE ByLane(const From& of) {
+    static_assert(sizeof values_ == sizeof of);
+    __builtin_memcpy(values_, &of, sizeof of);
+  }
+
+  /// The thing in `lane` in every lane of a `To`, which is the same for other values.
+  template <class To>
+  HWY_INLINE To one(int lane) const {
+    int field = 0;
+    const auto next = [&]() HWY_ATTR { return typename To::Value(values_[field++][lane]); };
+    return To::from(next);
+  }
+
+ private:
+  alignas(64) float values_[sizeof(From) / sizeof(Floats<N>)][N];
+};
+
 /// Möller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection". No division happens
 /// before the sides are known, and the determinant meets no threshold but the range in which it
 /// has an inverse: it shrinks with the square of the edges, so no other threshold suits all meshes.
 struct MollerTrumbore {
   template <class F>
   struct Triangle {
+    using Value = F;
     VecOf<F> a, edge1, edge2;
+
+    template <class Next>
+    HWY_INLINE static Triangle from(Next& next) {
+      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next)};
+    }
+  };
+  template <class F>
+  struct Seen {
+    using Value = F;
+    VecOf<F> edge1, edge2, s, q;
+    F height;
+
+    template <class Next>
+    HWY_INLINE static Seen from(Next& next) {
+      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
+              VecOf<F>::from(next), next()};
+    }
   };
   template <class F>
   using Line = LineOf<F>;
@@ -83,20 +150,24 @@ struct MollerTrumbore {
     return line;
   }
   template <class F>
-  HWY_INLINE static CrossingOf<F> cross_at(const Triangle<F>& triangle, const Line<F>& line) {
-    const VecOf<F> p = cross(line.direction, triangle.edge2);
-    const F determinant = dot(triangle.edge1, p);
-    const VecOf<F> s = line.origin - triangle.a;
-    const F u = flip_sign(dot(s, p), determinant);
+  HWY_INLINE static Seen<F> see(const Triangle<F>& triangle, const VecOf<F>& origin) {
+    const VecOf<F> s = origin - triangle.a;
     const VecOf<F> q = cross(s, triangle.edge1);
-    const F v = flip_sign(dot(line.direction, q), determinant);
+    return {triangle.edge1, triangle.edge2, s, q, dot(triangle.edge2, q)};
+  }
+  template <class F>
+  HWY_INLINE static CrossingOf<F> cross_at(const Seen<F>& seen, const Line<F>& line) {
+    const VecOf<F> p = cross(line.direction, seen.edge2);
+    const F determinant = dot(seen.edge1, p);
+    const F u = flip_sign(dot(seen.s, p), determinant);
+    const F v = flip_sign(dot(line.direction, seen.q), determinant);
     const F size = magnitude(determinant);
     const F zero(0.0f);
     CrossingOf<F> crossing{};
     crossing.met = both(both(both(u >= zero, v >= zero), u + v <= size), is_invertible(size));
     if (!any(crossing.met)) return crossing;
     const F inverse = F(1.0f) / size;
-    crossing.t = flip_sign(dot(triangle.edge2, q), determinant) * inverse;
+    crossing.t = flip_sign(seen.height, determinant) * inverse;
     crossing.u = u * inverse;
     crossing.v = v * inverse;
     return crossing;
@@ -108,7 +179,26 @@ struct MollerTrumbore {
 struct KenslerShirley {
   template <class F>
   struct Triangle {
+    using Value = F;
     VecOf<F> a, edge1, edge2, normal;
+
+    template <class Next>
+    HWY_INLINE static Triangle from(Next& next) {
+      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
+              VecOf<F>::from(next)};
+    }
+  };
+  template <class F>
+  struct Seen {
+    using Value = F;
+    VecOf<F> edge1, edge2, normal, to;
+    F height;
+
+    template <class Next>
+    HWY_INLINE static Seen from(Next& next) {
+      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
+              VecOf<F>::from(next), next()};
+    }
   };
   template <class F>
   using Line = LineOf<F>;
@@ -123,19 +213,23 @@ struct KenslerShirley {
     return line;
   }
   template <class F>
-  HWY_INLINE static CrossingOf<F> cross_at(const Triangle<F>& triangle, const Line<F>& line) {
-    const VecOf<F> to = triangle.a - line.origin;
-    const VecOf<F> r = cross(to, line.direction);
-    const F determinant = dot(triangle.normal, line.direction);
+  HWY_INLINE static Seen<F> see(const Triangle<F>& triangle, const VecOf<F>& origin) {
+    const VecOf<F> to = triangle.a - origin;
+    return {triangle.edge1, triangle.edge2, triangle.normal, to, dot(triangle.normal, to)};
+  }
+  template <class F>
+  HWY_INLINE static CrossingOf<F> cross_at(const Seen<F>& seen, const Line<F>& line) {
+    const VecOf<F> r = cross(seen.to, line.direction);
+    const F determinant = dot(seen.normal, line.direction);
     const F zero(0.0f);
-    const F u = flip_sign(dot(r, triangle.edge2), determinant);
-    const F v = flip_sign(zero - dot(r, triangle.edge1), determinant);
+    const F u = flip_sign(dot(r, seen.edge2), determinant);
+    const F v = flip_sign(zero - dot(r, seen.edge1), determinant);
     const F size = magnitude(determinant);
     CrossingOf<F> crossing{};
     crossing.met = both(both(both(u >= zero, v >= zero), u + v <= size), is_invertible(size));
     if (!any(crossing.met)) return crossing;
     const F inverse = F(1.0f) / size;
-    crossing.t = flip_sign(dot(triangle.normal, to), determinant) * inverse;
+    crossing.t = flip_sign(seen.height, determinant) * inverse;
     crossing.u = u * inverse;
     crossing.v = v * inverse;
     return crossing;
@@ -149,9 +243,26 @@ struct KenslerShirley {
 struct Projection {
   template <class F>
   struct Triangle {
+    using Value = F;
     F axis;  ///< 0, 1 or 2
     F normal_u, normal_v, offset;
     F a_u, a_v, b_u, b_v, c_u, c_v;
+
+    template <class Next>
+    HWY_INLINE static Triangle from(Next& next) {
+      return {next(), next(), next(), next(), next(), next(), next(), next(), next(), next()};
+    }
+  };
+  template <class F>
+  struct Seen {
+    using Value = F;
+    Triangle<F> triangle;
+    F height, from_u, from_v;  ///< of the origin, the height over the triangle's plane
+
+    template <class Next>
+    HWY_INLINE static Seen from(Next& next) {
+      return {Triangle<F>::from(next), next(), next(), next()};
+    }
   };
   template <class F>
   using Line = LineOf<F>;
@@ -182,14 +293,20 @@ struct Projection {
     return line;
   }
   template <class F>
-  HWY_INLINE static CrossingOf<F> cross_at(const Triangle<F>& triangle, const Line<F>& line) {
-    const Turned<F> o(line.origin, triangle.axis), d(line.direction, triangle.axis);
-    const F height = triangle.offset - o.w - triangle.normal_u * o.u - triangle.normal_v * o.v;
+  HWY_INLINE static Seen<F> see(const Triangle<F>& triangle, const VecOf<F>& origin) {
+    const Turned<F> o(origin, triangle.axis);
+    return {triangle, triangle.offset - o.w - triangle.normal_u * o.u - triangle.normal_v * o.v,
+            o.u, o.v};
+  }
+  template <class F>
+  HWY_INLINE static CrossingOf<F> cross_at(const Seen<F>& seen, const Line<F>& line) {
+    const Triangle<F>& triangle = seen.triangle;
+    const Turned<F> d(line.direction, triangle.axis);
     const F speed = d.w + triangle.normal_u * d.u + triangle.normal_v * d.v;
     CrossingOf<F> crossing{};
-    crossing.t = height / speed;
-    const F at_u = o.u + crossing.t * d.u - triangle.a_u;
-    const F at_v = o.v + crossing.t * d.v - triangle.a_v;
+    crossing.t = seen.height / speed;
+    const F at_u = seen.from_u + crossing.t * d.u - triangle.a_u;
+    const F at_v = seen.from_v + crossing.t * d.v - triangle.a_v;
     crossing.u = at_u * triangle.b_u + at_v * triangle.b_v;
     crossing.v = at_u * triangle.c_u + at_v * triangle.c_v;
     const F zero(0.0f);
@@ -221,10 +338,26 @@ struct Watertight {
   template <class F>
   using Triangle = CornersOf<F>;
   template <class F>
+  struct Seen {
+    using Value = F;
+    CornersOf<F> corners;  ///< from the origin
+
+    template <class Next>
+    HWY_INLINE static Seen from(Next& next) {
+      return {CornersOf<F>::from(next)};
+    }
+  };
+  template <class F>
   struct Line {
+    using Value = F;
     VecOf<F> origin;
     F axis;  ///< the largest component of the direction: 0, 1 or 2
     F shear_u, shear_v, scale;
+
+    template <class Next>
+    HWY_INLINE static Line from(Next& next) {
+      return {VecOf<F>::from(next), next(), next(), next(), next()};
+    }
   };
 
   template <class F>
@@ -245,9 +378,13 @@ struct Watertight {
     return prepared;
   }
   template <class F>
-  HWY_INLINE static CrossingOf<F> cross_at(const Triangle<F>& triangle, const Line<F>& line) {
-    const VecOf<F> a = shear(triangle.a, line), b = shear(triangle.b, line),
-                   c = shear(triangle.c, line);
+  HWY_INLINE static Seen<F> see(const Triangle<F>& triangle, const VecOf<F>& origin) {
+    return {{triangle.a - origin, triangle.b - origin, triangle.c - origin}};
+  }
+  template <class F>
+  HWY_INLINE static CrossingOf<F> cross_at(const Seen<F>& seen, const Line<F>& line) {
+    const VecOf<F> a = shear(seen.corners.a, line), b = shear(seen.corners.b, line),
+                   c = shear(seen.corners.c, line);
     const F of_a = difference_of_products(c.x, b.y, c.y, b.x);
     const F of_b = difference_of_products(a.x, c.y, a.y, c.x);
     const F of_c = difference_of_products(b.x, a.y, b.y, a.x);
@@ -274,10 +411,10 @@ struct Watertight {
     return {select(is_x, a.y, select(is_z, a.x, a.z)), select(is_x, a.z, select(is_z, a.y, a.x)),
             select(is_x, a.x, select(is_z, a.z, a.y))};
   }
-  /// `corner` with the ray along the third axis from the origin.
+  /// `corner` with the ray along the third axis.
   template <class F>
   HWY_INLINE static VecOf<F> shear(const VecOf<F>& corner, const Line<F>& line) {
-    const VecOf<F> from = turn(corner - line.origin, line.axis);
+    const VecOf<F> from = turn(corner, line.axis);
     return {from.x - line.shear_u * from.z, from.y - line.shear_v * from.z, from.z};
   }
   /// a * b - c * d with the right sign: rounding is monotone, so only a difference of zero can

@@ -73,6 +73,24 @@ struct Floats {
   }
 };
 
+/// N numbers of triangles.
+template <int N>
+struct Indices {
+  using Layout = FloatLayout<N>;
+  using Tag = hn::Rebind<std::uint32_t, typename Layout::Tag>;
+  hn::Vec<Tag> part[Layout::parts];
+
+  Indices() = default;
+  HWY_INLINE explicit Indices(std::uint32_t all) {
+    for (auto& p : part) p = hn::Set(Tag(), all);
+  }
+  HWY_INLINE void store(std::uint32_t* to) const {
+    for (int i = 0; i < Layout::parts; ++i) {
+      hn::Store(part[i], Tag(), to + i * Layout::per_part);
+    }
+  }
+};
+
 // NOLINTBEGIN(bugprone-macro-parentheses): `result` and `operand` are templates.
 #define IRT_LANEWISE(result, name, operand, expression)                 \
   template <int N>                                                      \
@@ -99,6 +117,8 @@ IRT_LANEWISE(Truths, operator>=, Floats, hn::Ge(x, y))
 IRT_LANEWISE(Truths, operator==, Floats, hn::Eq(x, y))
 IRT_LANEWISE(Truths, both, Truths, hn::And(x, y))
 IRT_LANEWISE(Truths, either, Truths, hn::Or(x, y))
+IRT_LANEWISE(Truths, operator<, Indices, hn::RebindMask(typename Floats<N>::Tag(), hn::Lt(x, y)))
+IRT_LANEWISE(Truths, operator!=, Indices, hn::RebindMask(typename Floats<N>::Tag(), hn::Ne(x, y)))
 #undef IRT_LANEWISE
 // NOLINTEND(bugprone-macro-parentheses)
 
@@ -115,6 +135,39 @@ HWY_INLINE Floats<N> select(const Truths<N>& which, const Floats<N>& yes, const 
     r.part[i] = hn::IfThenElse(which.part[i], yes.part[i], no.part[i]);
   }
   return r;
+}
+template <int N>
+HWY_INLINE Indices<N> select(const Truths<N>& which, const Indices<N>& yes, const Indices<N>& no) {
+  Indices<N> r;
+  for (int i = 0; i < FloatLayout<N>::parts; ++i) {
+    const auto mask = hn::RebindMask(typename Indices<N>::Tag(), which.part[i]);
+    r.part[i] = hn::IfThenElse(mask, yes.part[i], no.part[i]);
+  }
+  return r;
+}
+/// The truth whose bits are `bits`.
+template <int N>
+HWY_INLINE Truths<N> truths(std::uint32_t bits) {
+  Truths<N> r;
+  for (int i = 0; i < FloatLayout<N>::parts; ++i) {
+    alignas(8) std::uint8_t bytes[8] = {};
+    const auto some = static_cast<std::uint16_t>(bits >> (i * FloatLayout<N>::per_part));
+    __builtin_memcpy(bytes, &some, sizeof some);
+    r.part[i] = hn::LoadMaskBits(typename Floats<N>::Tag(), bytes);
+  }
+  return r;
+}
+template <int N>
+HWY_INLINE float least_of(const Floats<N>& a) {
+  auto least = a.part[0];
+  for (int i = 1; i < FloatLayout<N>::parts; ++i) least = hn::Min(least, a.part[i]);
+  return hn::GetLane(hn::MinOfLanes(typename Floats<N>::Tag(), least));
+}
+template <int N>
+HWY_INLINE float most_of(const Floats<N>& a) {
+  auto most = a.part[0];
+  for (int i = 1; i < FloatLayout<N>::parts; ++i) most = hn::Max(most, a.part[i]);
+  return hn::GetLane(hn::MaxOfLanes(typename Floats<N>::Tag(), most));
 }
 template <int N>
 HWY_INLINE bool any(const Truths<N>& a) {

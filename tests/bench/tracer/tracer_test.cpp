@@ -46,7 +46,7 @@ TEST(TracerBench, EverybodyAnswersAlike) {
       trace_all(*contestant, kind, batches, answers, executor);
       const Disagreement found = compare(kind, batches, reference, answers);
       EXPECT_GE(found.rays, kind == RayKind::shadow ? 4u * 8000 : 8000u);
-      if (contestant->is_ours()) {
+      if (contestant->same_bits()) {
         EXPECT_EQ(found.bits, 0u) << contestant->name();
       } else {
         EXPECT_LE(found.missed + found.elsewhere, 5u) << contestant->name();
@@ -66,7 +66,7 @@ TEST(TracerBench, FramesAreAlike) {
     int differing = 0;
     for (std::size_t i = 0; i < image.size(); ++i)
       differing += std::abs(image[i] - first[i]) > 1e-3f;
-    EXPECT_LE(differing, contestant->is_ours() ? 0 : 5) << contestant->name();
+    EXPECT_LE(differing, contestant->same_bits() ? 0 : 5) << contestant->name();
   }
 }
 

@@ -1,50 +1,37 @@
-/// Packets of every width, in groups and not, on every instruction set: the bits of brute force.
+/// Packets of every width with every kernel on every instruction set: the bits of brute force.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
-#include "renderer/bvh/wide.hpp"
+#include "renderer/bvh/executor.hpp"
 #include "tests/renderer/bvh/agreement.hpp"
 
 namespace irt::test {
 namespace {
 
-/// A hierarchy with options of its own.
-class Way final : public Accelerator {
- public:
-  Way(const Wide& wide, const WideOptions& options) : wide_(wide), options_(options) {}
-  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const override {
-    wide_.closest_hit(rays, hits, options_, profile);
-  }
-  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
-               TraceProfile* profile) const override {
-    wide_.any_hit(rays, occluded, options_, profile);
-  }
-  std::size_t memory_bytes() const override { return wide_.memory_bytes(); }
-
- private:
-  const Wide& wide_;
-  WideOptions options_;
-};
-
-/// Traces with every width and instruction set; returns the number of rays that hit something.
+/// Traces with every kernel, width and instruction set; returns the number of rays that hit
+/// something by the default kernel.
 std::uint32_t expect_every_way_agrees(const Mesh& mesh, const Rays& rays) {
-  const Expected expected = brute_force(mesh, rays);
   ThreadExecutor executor(1);
-  const Wide wide(mesh, executor);
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(target);
-    for (const int width : {1, 4, 8, 16}) {
-      for (const bool groups : {false, true}) {
-        SCOPED_TRACE(::testing::Message() << "width " << width << (groups ? ", groups" : ""));
-        expect_agreement(Way(wide, {width, groups}), rays, expected);
+  std::uint32_t hit_count = 0;
+  int tried = 0;
+  for (const TriangleKernelEntry& kernel : triangle_kernels()) {
+    const Expected expected = brute_force(mesh, rays, {.kernel = kernel.kernel});
+    if (kernel.kernel == TriangleKernel::moller_trumbore) hit_count = expected.hit_count;
+    for (const char* const isa : {"", "sse4", "avx2", "avx512", "neon"}) {
+      for (const unsigned width : {1u, 4u, 8u, 16u}) {
+        SCOPED_TRACE(::testing::Message() << kernel.name << " " << isa << " width " << width);
+        std::unique_ptr<Accelerator> accelerator;
+        try {
+          accelerator = build("wide", mesh, {kernel.kernel, width, isa, &executor});
+        } catch (const std::invalid_argument&) {
+          continue;  // not an instruction set of this machine
+        }
+        ++tried;
+        expect_agreement(*accelerator, rays, expected);
       }
     }
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
-  return expected.hit_count;
+  EXPECT_GE(tried, 2 * 16);  // the machine's best, and that one by its name
+  return hit_count;
 }
 
 /// From `eye` through a square of `side` x `side` pixels around `target`, 4 x 4 at a time.

@@ -40,7 +40,7 @@ void cross_lanes(test::LanesCase& lanes, int first) {
   const CornersOf<F> corners{vec(lanes.corner), vec(lanes.corner + 3), vec(lanes.corner + 6)};
   const LineOf<F> line{vec(lanes.line), vec(lanes.line + 3)};
   const CrossingOf<F> crossing =
-      Kernel::cross_at(Kernel::template prepare<F>(corners), Kernel::template prepare<F>(line));
+      cross_at<Kernel, F>(Kernel::template prepare<F>(corners), Kernel::template prepare<F>(line));
   if constexpr (std::is_same_v<F, float>) {
     lanes.met |= static_cast<std::uint32_t>(crossing.met) << first;
     lanes.t[first] = crossing.t;
