@@ -36,12 +36,22 @@ Result explore(const Options& options, Execution& execution) {
   };
   Result result;
   std::uint64_t made = 0;
+  SearchProgress last;
   const unsigned last_budget = options.search == Search::bounded ? options.budget : 0;
   bool left_out = false;
   for (unsigned budget = 0; budget <= last_budget; ++budget) {
     auto strategy = make_strategy(options, budget);
     while (strategy->begin()) {
-      if ((made & 63U) == 0) result.seconds = elapsed();
+      if ((made & 63U) == 0) {
+        result.seconds = elapsed();
+        result.explored = strategy->explored();
+        if (options.progress && result.seconds >= last.seconds + 2) {
+          const double rate =
+              static_cast<double>(made - last.executions) / (result.seconds - last.seconds);
+          last = {made, result.seconds, rate, execution.steps().size(), result.explored};
+          options.progress(last);
+        }
+      }
       if (made == options.executions || result.seconds > options.seconds) return result;
       const Outcome outcome = execution.run(*strategy);
       ++made;
@@ -67,6 +77,7 @@ Result explore(const Options& options, Execution& execution) {
     left_out = left_out || strategy->left_out();
   }
   result.finished = !left_out;
+  result.explored = left_out ? result.explored : 1;
   result.seconds = elapsed();
   return result;
 }

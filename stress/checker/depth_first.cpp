@@ -1,5 +1,7 @@
 #include "stress/checker/depth_first.hpp"
 
+#include <stdexcept>
+
 namespace irt::checker {
 
 bool DepthFirst::begin() {
@@ -14,6 +16,16 @@ bool DepthFirst::begin() {
   return true;
 }
 
+double DepthFirst::explored() const {
+  double done = 0;
+  double weight = 1;
+  for (const Branch& branch : path_) {
+    weight /= branch.count;
+    done += weight * branch.chosen;
+  }
+  return done;
+}
+
 unsigned DepthFirst::choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) {
   forced_ = current >= 32 || (runnable >> current & 1U) == 0;
   return Strategy::choose_thread(execution, runnable, current);
@@ -21,11 +33,11 @@ unsigned DepthFirst::choose_thread(Execution& execution, std::uint32_t runnable,
 
 std::uint32_t DepthFirst::choose(ChoiceKind kind, std::uint32_t count) {
   const bool costs = kind != ChoiceKind::thread || !forced_;
-  if (position_ == path_.size()) {
-    if (costs && spent_ == budget_) return 0;
-    path_.push_back({count, 0, costs});
-  }
+  if (costs && spent_ == budget_) return 0;
+  if (position_ == path_.size()) path_.push_back({count, 0, costs});
   const Branch& branch = path_[position_++];
+  if (branch.count != count)
+    throw std::logic_error("checker: an execution did not repeat itself; please report this");
   if (branch.costs && branch.chosen != 0) ++spent_;
   return branch.chosen;
 }

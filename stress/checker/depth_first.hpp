@@ -22,6 +22,7 @@ class DepthFirst final : public Strategy {
 
   bool begin() override;
   unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
+  [[nodiscard]] double explored() const override;
 
  protected:
   std::uint32_t choose(ChoiceKind kind, std::uint32_t count) override;

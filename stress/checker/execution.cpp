@@ -74,7 +74,7 @@ Outcome Execution::run(Strategy& strategy) {
   steps_.clear();
   finding_.reset();
   froze_ = false;
-  stores_ = 0;
+  stores_ = touches_ = 0;
   outcome_ = Outcome::complete;
   for (ThreadState& state : states_) {
     std::vector<Visit> visits = std::move(state.visits);
@@ -171,6 +171,30 @@ std::string Execution::stalled() const {
          std::to_string(frozen_->second) + " steps, ";
 }
 
+// A loop that tries a lock again and again writes all the time, so that only its lack of news tells
+// it from work.
+void Execution::check_news(const void* pc) {
+  ThreadState& state = me();
+  const std::size_t events = graph_.thread(cores_.current()).events.size();
+  if (events < state.news_since + limits_.events_without_news ||
+      strategy_->expects_more(cores_.current()))
+    return;
+  state.news_since = events;
+  state.assumed = true;
+  ++assumed_waits_;
+  wait_here(0, pc);
+}
+
+void Execution::note_news(EventId from) {
+  ThreadState& state = me();
+  const Event& store = graph_.event(from);
+  if (store.kind == EventKind::initial || store.thread == cores_.current() ||
+      from <= state.newest_read)
+    return;
+  state.newest_read = from;
+  state.news_since = graph_.thread(cores_.current()).events.size();
+}
+
 void Execution::check_limit(const void* pc) {
   if (graph_.thread(cores_.current()).events.size() >= limits_.events_per_thread)
     report(frozen_ ? FindingKind::blocked_by_stalled_thread : FindingKind::livelock,
@@ -209,10 +233,17 @@ unsigned Execution::finished(unsigned core) {
   if (core != host) states_[core].done = true;
   std::uint32_t mask = runnable();
   if (mask == 0) {
+    // Another execution goes on where this one has a thread wait for a store that is there by now.
+    const bool goes_on = std::any_of(states_.begin(), states_.end() - 1, [this](const auto& s) {
+      return !s.done && s.waiting && !s.assumed && stores_ > s.waits_since;
+    });
+    if (goes_on) return host;
     // Nobody else: a loop that only looked like waiting may still come to an end by itself.
     for (unsigned thread = 0; thread < main_ && mask == 0; ++thread)
       if (!states_[thread].done && states_[thread].assumed) {
         states_[thread].assumed = states_[thread].waiting = false;
+        // But not by reading again and again what is old by now: that would be unfair.
+        states_[thread].fresh_reads = static_cast<std::uint32_t>(limits_.events_per_thread);
         mask = 1U << thread;
       }
     if (mask == 0) return host;
@@ -460,8 +491,9 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
   const unsigned thread = cores_.current();
   const bool real = request.address >> 63U == 0;
   for (;;) {
-    if (real) check_touch(request.address, request.size, may_write, true, request.pc);
     check_limit(request.pc);
+    check_news(request.pc);
+    if (real) check_touch(request.address, request.size, may_write, true, request.pc);
     const Part part = part_at(request.address, request.size, true, request.pc);
     const std::uint32_t id = part.location;
     const auto value_at = [&](std::size_t place) {
@@ -540,6 +572,7 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
     const EventId from = event.from;
     record(event, newest - place);
     note_visit(request.pc, from);
+    note_news(from);
     return value;
   }
 }
@@ -556,8 +589,17 @@ void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) 
   for (const auto& [site, order] : changes) weakened_[site.failure ? 1 : 0][site.pc] = order;
 }
 
+// Outside of the threads' time everything happens before or after everything else, so that a read
+// finds what memory holds and nothing needs an event.
+void Execution::step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc) {
+  if (observed()) check_touch(address, size, writes, true, pc);
+}
+
 Value Execution::load(const Access& access) {
-  if (!observed()) return Tenant::load(access);
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, false, access.pc);
+    return Tenant::load(access);
+  }
   check_loop(access.pc);
   reach(access.address, false);
   const Order order = order_at(access.pc, false, EventKind::load, access.order);
@@ -567,7 +609,10 @@ Value Execution::load(const Access& access) {
 }
 
 Value Execution::modify(const Access& access, Operation operation, Value operand) {
-  if (!observed()) return Tenant::modify(access, operation, operand);
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, true, access.pc);
+    return Tenant::modify(access, operation, operand);
+  }
   check_loop(access.pc);
   reach(access.address, true);
   const Order order = order_at(access.pc, false, EventKind::modify, access.order);
@@ -579,7 +624,10 @@ Value Execution::modify(const Access& access, Operation operation, Value operand
 
 bool Execution::compare_exchange(const Access& access, Order failure, bool weak, Value& expected,
                                  Value desired) {
-  if (!observed()) return Tenant::compare_exchange(access, failure, weak, expected, desired);
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, true, access.pc);
+    return Tenant::compare_exchange(access, failure, weak, expected, desired);
+  }
   check_loop(access.pc);
   reach(access.address, true);
   const bool fails = weak && limits_.weak_may_fail && other_choice(2, access.pc) != 0;
@@ -595,7 +643,10 @@ bool Execution::compare_exchange(const Access& access, Order failure, bool weak,
 }
 
 void Execution::store(const Access& access, Value value) {
-  if (!observed()) return Tenant::store(access, value);
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, true, access.pc);
+    return Tenant::store(access, value);
+  }
   reach(access.address, true);
   check_touch(access.address, access.size, true, true, access.pc);
   check_limit(access.pc);
@@ -635,7 +686,7 @@ void Execution::store(const Access& access, Value value) {
 }
 
 void Execution::fence(Order order, const void* pc) {
-  if (!observed()) return;
+  if (phase_ != Phase::parallel) return;
   reach(0, false);
   check_limit(pc);
   Event& event = graph_.begin(EventKind::fence, cores_.current(),
@@ -657,6 +708,12 @@ unsigned Execution::other_choice(unsigned count, const void* pc) {
 
 void Execution::lock(std::uintptr_t address, const void* pc) {
   if (!observed()) return Tenant::lock(address, pc);
+  if (alone()) {
+    if (!try_lock(address, pc))
+      report(FindingKind::deadlock, "the only thread waits at {0} for a lock that nobody releases",
+             {pc});
+    return;
+  }
   reach(address, true);
   read_event(
       {address, 4, pc, Order::acquire, Order::relaxed}, true,
@@ -675,7 +732,12 @@ void Execution::unlock(std::uintptr_t address, const void* pc) {
 
 Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
                      const void* pc) {
-  if (!observed()) return Tenant::wait(address, expected, nanoseconds, pc);
+  if (phase_ != Phase::parallel) {
+    if (load({address, 4, Order::acquire, pc}) != expected) return Wake::value_differs;
+    if (nanoseconds >= 0) return Wake::timed_out;
+    report(FindingKind::deadlock, "the only thread sleeps at {0} and nobody is left to wake it",
+           {pc});
+  }
   const unsigned thread = cores_.current();
   const std::uintptr_t sleepers = sleepers_of(address);
   const Request request{sleepers, 16, pc, Order::acq_rel, Order::acquire};
@@ -715,7 +777,7 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
 }
 
 unsigned Execution::wake(std::uintptr_t address, unsigned count, const void* pc) {
-  if (!observed()) return 0;
+  if (phase_ != Phase::parallel) return 0;
   const std::uintptr_t sleepers = sleepers_of(address);
   fence(Order::seq_cst, pc);
   reach(sleepers, true);

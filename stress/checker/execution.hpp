@@ -34,6 +34,8 @@ struct Limits {
   /// A loop is taken to wait if it reads the same store at the same place this often in a row; and
   /// no place reads one more often while there is a newer one.
   unsigned same_reads = 20;
+  /// A thread is taken to wait if it makes so many events without reading anything new.
+  std::size_t events_without_news = 150;
   bool reuse_memory = false;      ///< a thread's freed blocks come back to it
   bool weak_may_fail = false;     ///< compare_exchange_weak fails for no reason, as a choice
   bool spurious_wakeups = false;  ///< futex and condition waits end for no reason, as a choice
@@ -158,6 +160,8 @@ class Execution final : public virtual_cores::Tenant {
     std::uintptr_t pending = 0;
     bool pending_writes = false;
     std::uint32_t effects = 0;
+    EventId newest_read = 0;     ///< of other threads' stores
+    std::size_t news_since = 0;  ///< events of its own when it read that
     std::int64_t clock_reads = 0;
     std::vector<Visit> visits;
     std::uint64_t entry_hash = 0;   ///< of the core when the operation in progress began
@@ -201,6 +205,8 @@ class Execution final : public virtual_cores::Tenant {
   std::uint64_t hash_of_core() const;
   bool on_own_stack(std::uintptr_t address) const;
   void check_limit(const void* pc);
+  void check_news(const void* pc);
+  void note_news(EventId from);
   [[nodiscard]] std::string stalled() const;
   Outcome after_threads();
   void explain_standstill();
@@ -210,6 +216,9 @@ class Execution final : public virtual_cores::Tenant {
   Order order_at(const void* pc, bool failure, EventKind kind, Order order);
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ != Phase::idle; }
+  /// Before and after the threads, when there is no order to choose and memory holds every value.
+  bool alone() const { return phase_ == Phase::prepare || phase_ == Phase::finish; }
+  void step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc);
 
   static Execution* current_execution_;
   const Scenario& scenario_;
@@ -225,6 +234,7 @@ class Execution final : public virtual_cores::Tenant {
   std::vector<Step> steps_;
   std::optional<Finding> finding_;
   std::uint64_t stores_ = 0;
+  std::uint64_t touches_ = 0;  ///< accesses of any kind in this execution
   std::size_t assumed_waits_ = 0;
   std::vector<ReadOption> options_;
   std::vector<std::size_t> places_;

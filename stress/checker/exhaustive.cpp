@@ -7,7 +7,18 @@
 
 namespace irt::checker {
 
+// An execution and what it led to share its weight.
+void Exhaustive::weigh() {
+  const double share = current_.weight / static_cast<double>(offspring_ + 1);
+  for (std::size_t i = work_.size() - offspring_; i < work_.size(); ++i) work_[i].weight = share;
+  offspring_ = 0;
+  explored_ += share;
+  open_ -= share;
+}
+
 bool Exhaustive::begin() {
+  if (started_) weigh();
+  started_ = true;
   // While the parts share the work they take the oldest piece, so that many arise; once there are
   // enough, each keeps its own and takes the newest, so that few do.
   if (shared_ && work_.size() >= 32 * std::size_t{shards_}) {
@@ -16,6 +27,8 @@ bool Exhaustive::begin() {
     for (std::size_t i = shard_; i < work_.size(); i += shards_)
       mine.push_back(std::move(work_[i]));
     work_ = std::move(mine);
+    open_ = 0;
+    for (const Work& work : work_) open_ += work.weight;
   }
   if (work_.empty()) return false;
   current_ = std::move(shared_ ? work_.front() : work_.back());
@@ -64,6 +77,7 @@ void Exhaustive::add(Work work) {
     return;
   }
   planned_ += work.plan.size();
+  ++offspring_;
   work_.push_back(std::move(work));
 }
 

@@ -42,6 +42,7 @@ class Exhaustive final : public Strategy {
                                            std::uint32_t location) override;
   [[nodiscard]] bool expects_more(unsigned thread) const override;
   [[nodiscard]] bool left_out() const override { return left_out_; }
+  [[nodiscard]] double explored() const override { return explored_ / (explored_ + open_); }
   [[nodiscard]] bool counted_elsewhere() const override { return shared_ && shard_ != 0; }
   [[nodiscard]] bool gives_up() const override { return cut_; }
   [[nodiscard]] bool resumes_waiting() const override { return false; }
@@ -59,12 +60,14 @@ class Exhaustive final : public Strategy {
   struct Work {
     std::vector<Planned> plan;
     bool verify = false;  ///< the model has not yet been asked about the whole
+    double weight = 1;    ///< part of all executions that it is taken to lead to
   };
 
   struct Revisit;
   void revisit(const Execution& execution, const Event& store, std::uint32_t location,
                std::size_t after);
   void push(const Planned& last, bool verify);
+  void weigh();
   void add(Work work);
 
   std::deque<Work> work_;
@@ -72,6 +75,10 @@ class Exhaustive final : public Strategy {
   unsigned shards_;
   std::size_t planned_ = 0;  ///< events in all plans, which bounds memory
   bool left_out_ = false;
+  std::size_t offspring_ = 0;  ///< pieces of work that the execution in progress has added
+  double explored_ = 0;        ///< weight of what is done ...
+  double open_ = 1;            ///< ... and of what is not
+  bool started_ = false;
   bool shared_;  ///< the work has not been divided yet
   Work current_;
   std::size_t position_ = 0;

@@ -53,6 +53,7 @@ Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc
   event.order = order;
   event.blocked = event.reads = event.writes = false;
   event.index = static_cast<std::uint16_t>(mine.now.count[thread] + 1);
+  event.node = no_node;
   event.from = no_event;
   event.option = 0;
   event.read_stamp = event.write_stamp = 0;
@@ -123,8 +124,10 @@ void Graph::complete(Event& event) {
   mine.now = event.after;
   mine.causes = event.causes;
   mine.events.push_back(static_cast<EventId>(count_));
-  if (event.order == Order::seq_cst && event.kind != EventKind::choice)
+  if (event.order == Order::seq_cst && event.kind != EventKind::choice) {
+    event.node = static_cast<std::uint16_t>(seq_cst_.size());
     seq_cst_.push_back(static_cast<EventId>(count_));
+  }
   ++count_;
 }
 

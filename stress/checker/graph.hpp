@@ -39,6 +39,7 @@ enum class EventKind : std::uint8_t { initial, load, store, modify, fence, choic
 /// The number of an event in its execution.
 using EventId = std::uint32_t;
 inline constexpr EventId no_event = ~EventId{0};
+inline constexpr std::uint16_t no_node = 0xFFFF;
 
 /// An event's name that survives in another execution: the thread and its place there, or
 /// `initial_ref` for the initial store of whatever location is meant.
@@ -49,13 +50,14 @@ struct Event {
   EventKind kind = EventKind::load;
   std::uint8_t thread = 0;
   Order order = Order::relaxed;
-  bool blocked = false;        ///< a read that waits for another store
-  bool reads = false;          ///< has a store it read from
-  bool writes = false;         ///< is in its location's modification order
-  std::uint16_t index = 0;     ///< in its thread, from 1
-  std::uint32_t location = 0;  ///< of loads, stores and modifications
-  EventId from = no_event;     ///< the store read
-  std::uint32_t option = 0;    ///< what a choice chose
+  bool blocked = false;          ///< a read that waits for another store
+  bool reads = false;            ///< has a store it read from
+  bool writes = false;           ///< is in its location's modification order
+  std::uint16_t index = 0;       ///< in its thread, from 1
+  std::uint16_t node = no_node;  ///< among the seq_cst operations
+  std::uint32_t location = 0;    ///< of loads, stores and modifications
+  EventId from = no_event;       ///< the store read
+  std::uint32_t option = 0;      ///< what a choice chose
   std::uint32_t read_stamp = 0;
   std::uint32_t write_stamp = 0;
   const void* pc = nullptr;

@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "stress/checker/mutants_check.hpp"
 #include "stress/checker/queue_check.hpp"
 
 namespace {
@@ -28,6 +29,8 @@ struct CommandLine {
   std::string dot_file;
   std::vector<std::string> merge;
   bool mutate_orders = false;
+  bool mutants = false;
+  checker::KillSettings kill;
   checker::CheckSettings settings;
 };
 
@@ -55,11 +58,17 @@ std::vector<std::string> queue_names() {
 
 json to_json(const checker::ShapeResult& s) {
   const checker::Result& r = s.result;
-  json j{{"shape", s.shape},           {"search", s.search},
-         {"executions", r.executions}, {"complete", r.complete},
-         {"blocked", r.blocked},       {"inconsistent", r.cut},
-         {"seconds", r.seconds},       {"finished", r.finished},
-         {"histories", s.histories},   {"assumed_waits", r.assumed_waits}};
+  json j{{"shape", s.shape},
+         {"search", s.search},
+         {"executions", r.executions},
+         {"complete", r.complete},
+         {"blocked", r.blocked},
+         {"inconsistent", r.cut},
+         {"seconds", r.seconds},
+         {"finished", r.finished},
+         {"explored", r.explored},
+         {"histories", s.histories},
+         {"assumed_waits", r.assumed_waits}};
   if (r.finding) {
     j["finding"] = {{"kind", name_of(r.finding->kind)}, {"report", s.report}};
     j["schedule"] = to_string(r.schedule);
@@ -133,6 +142,12 @@ void prepare(CommandLine& line) {
   }
 }
 
+int run_mutants(CommandLine& line) {
+  irt::virtual_cores::Module module(own_directory() / "irt_mutants_module.so");
+  line.kill.seconds = line.settings.seconds;
+  return kill_matrix(module, line.kill) ? 0 : 1;
+}
+
 int run(const CommandLine& line) {
   irt::virtual_cores::Module module(line.module);
   const irt::QueueEntry& entry = *module.function<const irt::QueueEntry*()>("irt_queue_entry")();
@@ -196,21 +211,23 @@ int main(int argc, char** argv) {
   app.add_option(
       "--shape", settings.shapes,
       "threads as letters, e.g. EE|D|DE; E push, D pop, R pop one and push two, S signal, "
-      "W wait for it; EE:D|D pushes two first (default: a battery by the queue's claims)");
+      "W wait for it, ...; EE:D|D pushes two first (all letters: docs/checker.md; default: a "
+      "battery by the queue's claims)");
   app.add_option("--threads", line.threads, "a shape of that many threads instead ...");
   app.add_option("--ops", line.operations, "... each with that many pushes, then as many pops");
   app.add_option("--strategy", line.strategy,
                  "auto: exhaustive; where time runs out, bounded, pos and pct")
       ->check(CLI::IsMember({"auto", "exhaustive", "bounded", "random", "pct", "pos"}))
       ->capture_default_str();
-  app.add_option("--seconds", settings.seconds, "for each shape and search")->capture_default_str();
+  app.add_option("--seconds", settings.seconds, "for all shapes and searches together")
+      ->capture_default_str();
   app.add_option("--executions", settings.options.executions, "at most, for each shape and search");
   app.add_option("--budget", settings.options.budget,
                  "deviations of the bounded search: preemptions, stale reads, ...")
       ->capture_default_str();
   app.add_option("--seed", settings.options.seed, "of the random searches")->capture_default_str();
-  app.add_option("--capacity", settings.capacity, "of the queue, in elements")
-      ->capture_default_str();
+  app.add_option("--capacity", settings.capacity,
+                 "of the queue, in elements (default: 1, or what the prologue pushes)");
   app.add_option("--replay", line.replay, "a schedule of an earlier report");
   app.add_option("--dot", line.dot_file, "with --replay: write the execution graph for Graphviz");
   app.add_option("--json", line.json_file, "write the results to this file");
@@ -218,6 +235,12 @@ int main(int argc, char** argv) {
   app.add_option("--merge", line.merge, "add up the JSON files of all shards");
   app.add_flag("--mutate-orders", line.mutate_orders,
                "weaken each memory order in turn and say what breaks");
+  auto* mutants = app.add_flag("--mutants", line.mutants,
+                               "queues with known bugs: which search finds which, and how soon");
+  app.add_option("--mutant", line.kill.ids, "of --mutants: only these, by id")->needs(mutants);
+  app.add_option("--seeds", line.kill.seeds, "of --mutants: runs of each random search")
+      ->needs(mutants)
+      ->capture_default_str();
   app.add_flag("!--no-progress", settings.progress, "do not stop threads to test progress claims");
   app.add_flag("!--allow-races", settings.options.limits.races,
                "data races are no findings (a formal fault of some libraries)");
@@ -237,10 +260,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   if (!line.merge.empty()) return merge(line.merge);
-  if (line.queue.empty() && line.module.empty())
+  if (!line.mutants && line.queue.empty() && line.module.empty())
     usage_error(
         fmt::format("which queue? --queue takes one of {}", fmt::join(queue_names(), ", ")));
   try {
+    if (line.mutants) return run_mutants(line);
     prepare(line);
     return run(line);
   } catch (const std::exception& error) {

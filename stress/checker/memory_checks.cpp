@@ -24,6 +24,14 @@ bool Execution::on_own_stack(std::uintptr_t address) const {
 
 void Execution::check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                             const void* pc) {
+  constexpr std::uint64_t most = 1'000'000;
+  if (++touches_ > most)
+    report(FindingKind::livelock,
+           "no end within " + std::to_string(most) + " accesses to memory; a thread is at {0}",
+           {pc});
+  // Only what threads do at the same time can race.
+  const bool shared = phase_ == Phase::parallel;
+  if (!shared && !heap_.owns(address)) return;
   const unsigned thread = cores_.current();
   const Clock& now = graph_.thread(thread).now;
   const auto moment = static_cast<std::uint16_t>(now.count[thread] + 1);
@@ -52,12 +60,11 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
                    std::to_string(block.size) + " bytes that was allocated at {1}",
                {pc, block.allocated_at});
     }
-    for (std::uint32_t number = cell.touches; number != 0;) {
+    for (std::uint32_t number = shared && limits_.races ? cell.touches : 0; number != 0;) {
       const Touch& other = heap_.touch(number);
       number = other.next;
-      if (!limits_.races || other.thread == thread || (other.bytes & bytes) == 0 ||
-          !(other.writes || writes) || (other.atomic && atomic) ||
-          now.count[other.thread] >= other.moment)
+      if (other.thread == thread || (other.bytes & bytes) == 0 || !(other.writes || writes) ||
+          (other.atomic && atomic) || now.count[other.thread] >= other.moment)
         continue;
       report(FindingKind::data_race,
              std::string("the ") + (atomic ? "atomic " : "") + verb(writes) + " at {0} by thread " +
@@ -72,8 +79,9 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
       if (!atomic && cell.location != 0)
         cell.replaced = static_cast<std::uint8_t>(cell.replaced | bytes);
     }
-    heap_.add_touch(cell,
-                    {static_cast<std::uint8_t>(thread), bytes, writes, atomic, moment, 0, pc});
+    if (shared)
+      heap_.add_touch(cell,
+                      {static_cast<std::uint8_t>(thread), bytes, writes, atomic, moment, 0, pc});
   }
   if (!initialised && size <= 8 && (!writes || atomic) && heap_.owns(address)) {
     const Block& block = *heap_.find(address);

@@ -27,6 +27,8 @@ struct Operation {
   bool finished = false;  ///< whether it returned at all
   std::uint64_t value = 0;
   Clock called{};              ///< what happens before the call
+  bool ends_frame = false;     ///< it answered that there will be no more tasks ...
+  Clock before_return{};       ///< ... and this is what happens before that
   std::uint16_t returned = 0;  ///< the moment of its thread at which it returned
   std::size_t first_step = 0;  ///< steps of the execution before the call
   std::size_t last_step = 0;   ///< and before the return
@@ -39,8 +41,8 @@ bool precedes(const Operation& a, const Operation& b);
 std::string to_string(const Operation& operation);
 
 /// What is wrong with `operations` by the claims, if anything: no order of the operations that
-/// agrees with `precedes` is one of a queue as claimed. At most 64 operations, all finished; the
-/// last ones empty the queue.
+/// agrees with `precedes` is one of a queue as claimed. All operations are
+/// finished, the last ones empty the queue; more than 64 are judged only if each precedes the next.
 std::optional<std::string> judge(const std::vector<Operation>& operations, const Claims& claims,
                                  std::size_t capacity);
 

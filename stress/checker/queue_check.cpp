@@ -1,8 +1,11 @@
 #include "stress/checker/queue_check.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <fmt/format.h>
 #include <fstream>
 #include <iostream>
+#include <utility>
 
 #include "stress/checker/progress.hpp"
 #include "stress/checker/report.hpp"
@@ -43,9 +46,21 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
   return text;
 }
 
+/// "3.1e+04 in all?": what an estimate is worth.
+std::string estimate(std::uint64_t executions, double explored) {
+  if (explored <= 0) return "";
+  return fmt::format("  about {:.0g} in all", static_cast<double>(executions) / explored);
+}
+
+void say(std::string_view shape, std::string_view search, const SearchProgress& now) {
+  fmt::print(stderr, "  {:<12} {:<11} {:>9} executions {:>8.1f} s  {:.0f}/s, {} steps{}\n", shape,
+             search, now.executions, now.seconds, now.per_second, now.steps,
+             estimate(now.executions, now.explored));
+}
+
 void say(const ShapeResult& s) {
   const Result& r = s.result;
-  std::string verdict = "nothing found";
+  std::string verdict = "nothing found" + estimate(r.executions, r.explored);
   if (r.finding)
     verdict = std::string(checker::name_of(r.finding->kind));
   else if (r.finished && s.search == "exhaustive")
@@ -57,66 +72,151 @@ void say(const ShapeResult& s) {
   std::fflush(stdout);
 }
 
+/// The checks of one queue, one after the other, until something is found or time is up.
+class QueueCheck {
+ public:
+  QueueCheck(const QueueEntry& entry, virtual_cores::Module& module, const CheckSettings& settings,
+             const std::string& command)
+      : entry_(entry),
+        module_(module),
+        settings_(settings),
+        command_(command),
+        shapes_(settings.shapes.empty() ? battery(entry.claims) : settings.shapes) {}
+
+  QueueResult run() {
+    all_.unseen = module_.unseen_calls();
+    // Proofs first, of all shapes; then samples of those that were too large for one. Who finishes
+    // early leaves the time to the rest.
+    const auto open = search_all(shapes_, settings_.search.value_or(Search::exhaustive),
+                                 settings_.search ? 1.0 : 0.5);
+    if (!settings_.search) {
+      double until = 0.5;
+      for (const Search search : {Search::pos, Search::bounded, Search::pct})
+        search_all(open, search, until += 0.15);
+      for (const std::string& shape : shapes_to_stall())
+        if (!all_.found) stall(shape);
+    }
+    return std::move(all_);
+  }
+
+ private:
+  /// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
+  [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
+    if (!settings_.progress || entry_.claims.push == irt::Progress::blocking) return {};
+    if (entry_.claims.pop == irt::Progress::blocking)
+      return entry_.claims.producers == Callers::one ? std::vector<std::string>{}
+                                                     : std::vector<std::string>{"EE|EE"};
+    std::vector<std::string> result;
+    for (const std::string& shape : shapes_)
+      if (shape.find_first_of("WFT") == std::string::npos) result.push_back(shape);
+    return result;
+  }
+
+  /// Searches each of `shapes` until the part `until` of the time is used up, and returns those
+  /// whose search did not come to its end.
+  std::vector<std::string> search_all(const std::vector<std::string>& shapes, Search kind,
+                                      double until) {
+    std::vector<std::string> open;
+    if (kind == Search::pos || kind == Search::pct || kind == Search::random) {
+      sample(shapes, kind, until);
+      return open;
+    }
+    for (std::size_t i = 0; i < shapes.size() && !all_.found; ++i) {
+      const double left = until * settings_.seconds - elapsed();
+      ShapeResult shape{shapes[i], std::string(name_of(kind)), {}, 0, ""};
+      search(shape, kind, left / static_cast<double>(shapes.size() - i), settings_.options.seed);
+      if (!shape.result.finished) open.push_back(shapes[i]);
+      add(std::move(shape));
+    }
+    return open;
+  }
+
+  /// Samples of all shapes in turn, in rounds that take longer and longer, so that none waits for
+  /// the others.
+  void sample(const std::vector<std::string>& shapes, Search kind, double until) {
+    std::vector<ShapeResult> results;
+    for (const std::string& shape : shapes)
+      results.push_back({shape, std::string(name_of(kind)), {}, 0, ""});
+    constexpr std::uint64_t next_seed = 1'000'003;  // a round begins where no other one does
+    std::uint64_t seed = settings_.options.seed;
+    const auto found = [](const ShapeResult& s) { return s.result.finding.has_value(); };
+    const auto any = [&] { return std::any_of(results.begin(), results.end(), found); };
+    double slice = 0.01;
+    do {
+      for (std::size_t i = 0; i < results.size() && !any(); ++i) {
+        const double left = until * settings_.seconds - elapsed();
+        search(results[i], kind, std::min(slice, left / static_cast<double>(results.size() - i)),
+               seed);
+      }
+      slice *= 2;
+      seed += next_seed;
+    } while (!any() && elapsed() < until * settings_.seconds);
+    for (ShapeResult& shape : results) add(std::move(shape));
+  }
+
+  /// One search, whose work is added to what `shape` holds already.
+  void search(ShapeResult& shape, Search kind, double seconds, std::uint64_t seed) {
+    QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_);
+    Options options = settings_.options;
+    options.search = kind;
+    options.seed = seed;
+    options.seconds = std::max(seconds, 0.01);
+    if (!settings_.quiet)
+      options.progress = [&](const SearchProgress& now) { say(shape.shape, shape.search, now); };
+    const Result before = std::exchange(shape.result, check(client.scenario(), options));
+    shape.result.executions += before.executions;
+    shape.result.complete += before.complete;
+    shape.result.blocked += before.blocked;
+    shape.result.cut += before.cut;
+    shape.result.seconds += before.seconds;
+    shape.histories = std::max(shape.histories, client.histories());
+    if (!shape.result.finding || !settings_.reports) return;
+    const Result simple = simplest(client.scenario(), options, shape.result);
+    shape.report = report_of(client, options, simple, module_, command_);
+  }
+
+  void stall(const std::string& text) {
+    QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
+    const ProgressResult stalls =
+        check_progress(client.scenario(), settings_.options.limits, settings_.options.seed, 6);
+    ShapeResult shape{text, "stalls", {}, 0, ""};
+    shape.result.executions = stalls.executions;
+    shape.result.finding = stalls.finding;
+    if (stalls.finding && settings_.reports) {
+      Symbols symbols(module_);
+      shape.report = fmt::format(
+          "{}: {}\n\n{}\nThe queue claims that a stopped thread does not stop the others; thread "
+          "{} was stopped before its step {}.\n",
+          checker::name_of(stalls.finding->kind), sentence(*stalls.finding, symbols),
+          history(client.operations()), stalls.thread, stalls.stopped + 1);
+    }
+    add(std::move(shape));
+  }
+
+  void add(ShapeResult shape) {
+    if (!settings_.quiet) say(shape);
+    all_.found = all_.found || shape.result.finding;
+    all_.shapes.push_back(std::move(shape));
+  }
+
+  [[nodiscard]] double elapsed() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+  const QueueEntry& entry_;
+  virtual_cores::Module& module_;
+  const CheckSettings& settings_;
+  const std::string& command_;
+  std::vector<std::string> shapes_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  QueueResult all_;
+};
+
 }  // namespace
 
 QueueResult check_queue(const QueueEntry& entry, virtual_cores::Module& module,
                         const CheckSettings& settings, const std::string& command) {
-  QueueResult all;
-  all.unseen = module.unseen_calls();
-  const std::vector<std::string> shapes =
-      settings.shapes.empty() ? battery(entry.claims) : settings.shapes;
-  const auto run = [&](const std::string& text, Search search) {
-    QueueClient client(entry, parse_shape(text), settings.capacity, &module);
-    Options options = settings.options;
-    options.search = search;
-    options.seconds = settings.seconds;
-    ShapeResult shape{text, std::string(name_of(search)), check(client.scenario(), options), 0, ""};
-    shape.histories = client.histories();
-    if (shape.result.finding) {
-      Options plain = options;
-      const Result simple = simplest(client.scenario(), plain, shape.result);
-      shape.report = report_of(client, plain, simple, module, command);
-      all.found = true;
-    }
-    if (!settings.quiet) say(shape);
-    all.shapes.push_back(std::move(shape));
-    return all.shapes.back().result.finished || all.found;
-  };
-  for (const std::string& shape : shapes) {
-    if (settings.search) {
-      run(shape, *settings.search);
-    } else if (!run(shape, Search::exhaustive)) {
-      for (const Search search : {Search::bounded, Search::pos, Search::pct})
-        if (!all.found) run(shape, search);
-    }
-    if (all.found) return all;
-  }
-  const bool claims_progress =
-      entry.claims.push != Progress::blocking || entry.claims.pop != Progress::blocking;
-  if (settings.progress && claims_progress && !settings.search) {
-    for (const std::string& text : shapes) {
-      if (text.find('W') != std::string::npos) continue;  // waits for another by design
-      QueueClient client(entry, parse_shape(text), settings.capacity, &module);
-      const ProgressResult stalls =
-          check_progress(client.scenario(), settings.options.limits, settings.options.seed, 6);
-      ShapeResult shape{text, "stalls", {}, 0, ""};
-      shape.result.executions = stalls.executions;
-      shape.result.finding = stalls.finding;
-      if (stalls.finding) {
-        Symbols symbols(module);
-        shape.report = fmt::format(
-            "{}: {}\n\n{}\nThe queue claims that a stopped thread does not stop the others; thread "
-            "{} was stopped before its step {}.\n",
-            checker::name_of(stalls.finding->kind), sentence(*stalls.finding, symbols),
-            history(client.operations()), stalls.thread, stalls.stopped + 1);
-        all.found = true;
-      }
-      if (!settings.quiet) say(shape);
-      all.shapes.push_back(std::move(shape));
-      if (all.found) return all;
-    }
-  }
-  return all;
+  return QueueCheck(entry, module, settings, command).run();
 }
 
 std::string replay(const QueueEntry& entry, virtual_cores::Module& module,

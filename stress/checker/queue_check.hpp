@@ -13,10 +13,11 @@ namespace irt::checker {
 struct CheckSettings {
   std::vector<std::string> shapes;  ///< empty: the battery of the queue's claims
   std::optional<Search> search;     ///< none: exhaustive, then bounded and sampled
-  std::size_t capacity = 1;         ///< of the queue, in elements
-  double seconds = 4;               ///< for each shape and search
+  std::size_t capacity = 0;         ///< of the queue, where a shape leaves it open
+  double seconds = 50;              ///< for all shapes and searches together, at most
   bool progress = true;             ///< stop threads to see whether others go on
   bool quiet = false;               ///< say nothing while running
+  bool reports = true;              ///< of findings; without, the first one ends the check at once
   Options options;
 };
 

@@ -1,6 +1,7 @@
 #include "stress/checker/queue_client.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <stdexcept>
 
 namespace irt::checker {
@@ -10,13 +11,22 @@ Shape parse_shape(std::string_view text) {
   std::string_view rest = text;
   const auto check = [text](std::string_view part) {
     for (const char letter : part)
-      if (std::string_view("EDRSWC").find(letter) == std::string_view::npos)
+      if (std::string_view("EDRTFSWC").find(letter) == std::string_view::npos)
         throw std::invalid_argument(
             "shape \"" + std::string(text) + "\": '" + letter +
-            "' is no step; steps are E D R S W C, threads are parted by '|', "
-            "a prologue ends with ':'");
+            "' is no step; steps are E D R T F S W C, threads are parted by '|', "
+            "a prologue ends with ':', an epilogue follows ';', a capacity '@'");
     return std::string(part);
   };
+  if (const auto at = rest.find('@'); at != std::string_view::npos) {
+    const std::string_view number = rest.substr(at + 1);
+    const auto [end, error] =
+        std::from_chars(number.data(), number.data() + number.size(), shape.capacity);
+    if (error != std::errc{} || end != number.data() + number.size() || shape.capacity == 0)
+      throw std::invalid_argument("shape \"" + std::string(text) +
+                                  "\": after '@' comes a capacity in elements, at least 1");
+    rest = rest.substr(0, at);
+  }
   if (const auto colon = rest.find(':'); colon != std::string_view::npos) {
     shape.prologue = check(rest.substr(0, colon));
     rest.remove_prefix(colon + 1);
@@ -43,16 +53,20 @@ std::string to_string(const Shape& shape) {
   std::string text = shape.prologue.empty() ? "" : shape.prologue + ":";
   for (const std::string& thread : shape.threads)
     text += (&thread == shape.threads.data() ? "" : "|") + thread;
-  return shape.epilogue.empty() ? text : text + ";" + shape.epilogue;
+  if (!shape.epilogue.empty()) text += ";" + shape.epilogue;
+  return shape.capacity == 0 ? text : text + "@" + std::to_string(shape.capacity);
 }
 
 std::vector<std::string> battery(const Claims& claims) {
   // Pure consumers matter: a thread that has pushed before it pops has synchronised by that. The
-  // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing.
+  // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing. The
+  // long ones empty a page or a batch of retired nodes, or steal, while another thread holds on to
+  // a node. Rings are filled and go round at sizes where narrow counters overflow.
   static const std::vector<std::string> all{
-      "E|D",    "E:D|D", "ES|WD",    "ED|ED",   "E|E|D",    "E|D|D",
-      "EE|DD",  "E:R|R", "EES|D|WD", "EE:DE|D", "EE:DD|D",  "E:E|D|E",
-      "EE|D|D", "EDD|E", "E|E|DD",   "EEE|DD",  "EE:DD|ED", "EEEE|DDDD"};
+      "F:D@1",    "F:D@2",        "F:D@128",      "F:D@256",      "E|D",      "E:D|D",   "ES|WD",
+      "ED|ED",    "E|E|D",        "E|D|D",        "EE|DD",        "E:R|R",    "EE:D|DD", "EES|D|WD",
+      "EE:DE|D",  "EE:DD|D",      "E:E|D|E",      "EE|D|D",       "EDD|E",    "E|E|DD",  "EEE|DD",
+      "EE:DD|ED", "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD"};
   std::vector<std::string> fitting;
   for (const std::string& text : all) {
     const Shape shape = parse_shape(text);
@@ -63,6 +77,7 @@ std::vector<std::string> battery(const Claims& claims) {
     };
     if (claims.producers == Callers::one && users("ER") > 1) continue;
     if (claims.consumers == Callers::one && users("DR") > 1) continue;
+    if (!claims.bounded && shape.capacity != 0) continue;
     fitting.push_back(text);
   }
   return fitting;
@@ -71,6 +86,11 @@ std::vector<std::string> battery(const Claims& claims) {
 QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
                          virtual_cores::Module* module)
     : entry_(entry), shape_(std::move(shape)), capacity_(capacity) {
+  if (shape_.capacity != 0) capacity_ = shape_.capacity;
+  if (capacity_ == 0) {
+    const auto held = std::count(shape_.prologue.begin(), shape_.prologue.end(), 'E');
+    capacity_ = entry.claims.bounded ? std::max<std::size_t>(static_cast<std::size_t>(held), 1) : 1;
+  }
   const auto count = static_cast<unsigned>(shape_.threads.size());
   scenario_.module = module;
   scenario_.prepare = [this, count] {
@@ -86,12 +106,14 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
         [this, thread] { run_letters(shape_.threads[thread], thread, thread); });
   scenario_.finish = [this, count] {
     phase_ = Operation::Phase::after;
+    const bool stalled = Execution::current_execution()->freezes();
+    if (stalled && entry_.claims.pop == Progress::blocking) return;
     run_letters(shape_.epilogue, count, 0);
     for (unsigned worker = 0; worker < count; ++worker)
       while (pop(count, worker)) {
       }
     // A queue with a call in the middle of it cannot be destroyed.
-    if (!Execution::current_execution()->freezes()) delete queue_;
+    if (!stalled) delete queue_;
   };
   scenario_.judge = [this](const Execution& execution) { return judge_history(execution); };
 }
@@ -110,6 +132,15 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread, unsig
           push(thread, worker);
           push(thread, worker);
         }
+        break;
+      case 'T':
+        work_until_over(thread, worker);
+        break;
+      case 'F':
+        for (std::size_t i = 0; i < 2 * capacity_ + 2 && push(thread, worker); ++i) {
+        }
+        pop(thread, worker);
+        push(thread, worker);
         break;
       case 'C':
         queue_->push(worker, close_word);
@@ -168,7 +199,22 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   return answered;
 }
 
+void QueueClient::work_until_over(unsigned thread, unsigned worker) {
+  for (;;) {
+    const std::size_t number = operations_.size();
+    if (!pop(thread, worker)) {
+      operations_[number].ends_frame = true;
+      operations_[number].before_return = Execution::current_execution()->clock_of(thread);
+      return;
+    }
+    // A task of the prologue has two children; they have none.
+    const bool root = operations_[number].value / 100 == shape_.threads.size() + 1;
+    for (int child = 0; root && child < 2; ++child) push(thread, worker);
+  }
+}
+
 std::optional<std::string> QueueClient::judge_stalled() const {
+  if (entry_.claims.pop == Progress::blocking) return std::nullopt;
   for (const Operation& push : operations_) {
     if (push.kind != Operation::Kind::push || !push.answered) continue;
     const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
@@ -186,6 +232,7 @@ std::optional<std::string> QueueClient::judge_stalled() const {
 
 std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
   if (execution.freezes()) return judge_stalled();
+  if (operations_.size() > 64) return judge(operations_, entry_.claims, capacity_);
   // Few histories differ in what matters: the answers and the order. Each is judged once.
   std::vector<const Operation*> sorted;
   for (const Operation& operation : operations_) sorted.push_back(&operation);

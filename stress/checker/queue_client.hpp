@@ -9,6 +9,13 @@
 ///
 ///     S  signal: whoever waits ...       W  ... goes on, and everything before S happens before
 ///
+///     T  the renderer's worker on a queue whose pop waits for tasks and answers "empty" when the
+///        frame is over: pop until then; a task of the prologue pushes two
+///
+///     F  fill: push until it is full, at most twice its capacity; then pop one and push again
+///
+///     EE|DD@2      the queue is made for two elements
+///
 ///     C  close: push `close_word`, for queues whose pop waits until they are closed
 ///
 /// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
@@ -30,6 +37,7 @@ struct Shape {
   std::string prologue;
   std::vector<std::string> threads;
   std::string epilogue;
+  std::size_t capacity = 0;  ///< of the queue, in elements; 0: left open
 };
 
 /// What C pushes; no element.
@@ -45,6 +53,8 @@ std::vector<std::string> battery(const Claims& claims);
 /// A shape over one queue. The functions of `scenario()` refer to this object.
 class QueueClient {
  public:
+  /// `capacity` is used where the shape leaves it open; 0 makes it one element, or for a bounded
+  /// queue as many as the prologue pushes, so that rings are full and go round.
   QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
               virtual_cores::Module* module);
   QueueClient(const QueueClient&) = delete;
@@ -58,6 +68,7 @@ class QueueClient {
 
  private:
   void run_letters(const std::string& letters, unsigned thread, unsigned worker);
+  void work_until_over(unsigned thread, unsigned worker);
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
   std::optional<std::string> judge_history(const Execution& execution);

@@ -20,84 +20,116 @@ namespace irt::checker {
 namespace {
 
 constexpr std::size_t max_nodes = 512;
-using Nodes = std::bitset<max_nodes>;
+
+/// The relation, for at most `most` operations: small ones fit into a register.
+template <std::size_t most>
+class Relation {
+ public:
+  using Nodes = std::bitset<most>;
+
+  Relation(const Graph& graph, const std::vector<EventId>& nodes)
+      : graph_(graph), nodes_(nodes), count_(std::min(nodes.size(), most)) {
+    for (std::size_t i = 0; i < count_; ++i) successors_[i].reset();
+  }
+
+  bool is_acyclic() {
+    strongly_happens_before();
+    for (std::size_t l = 0; l < graph_.locations(); ++l)
+      if (graph_.location(static_cast<std::uint32_t>(l)).stores.size() > 1)
+        coherence_ordered_before(graph_.location(static_cast<std::uint32_t>(l)));
+    // Take away what has no successor left until nothing changes; a rest is a cycle. Most edges
+    // follow the order of execution, so that one round from the end is nearly enough.
+    Nodes left;
+    for (std::size_t i = 0; i < count_; ++i) left.set(i);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = count_; i-- > 0;) {
+        if (!left[i] || (successors_[i] & left).any()) continue;
+        left.reset(i);
+        changed = true;
+      }
+    }
+    return left.none();
+  }
+
+ private:
+  /// An access that matters to S, with the nodes it stands for.
+  struct Access {
+    std::size_t position;
+    Nodes from;  ///< as the earlier of two
+    Nodes to;    ///< as the later
+  };
+
+  // The last earlier operation of each thread is enough: the ones before precede that.
+  void strongly_happens_before() {
+    fences_.clear();
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Event& b = graph_.event(nodes_[i]);
+      if (b.kind == EventKind::fence) fences_.push_back(i);
+      Nodes threads;
+      for (std::size_t j = i; j-- > 0;) {
+        const Event& a = graph_.event(nodes_[j]);
+        if (threads[a.thread] || (a.thread != b.thread && b.before.count[a.thread] <= a.index))
+          continue;
+        threads.set(a.thread);
+        successors_[j].set(i);
+      }
+    }
+  }
+
+  void add(EventId id, std::size_t position) {
+    const Event& event = graph_.event(id);
+    Access access{position, {}, {}};
+    if (event.node < count_) {
+      access.from.set(event.node);
+      access.to.set(event.node);
+    }
+    for (const std::size_t f : fences_) {
+      const Event& fence = graph_.event(nodes_[f]);
+      if (event.kind != EventKind::initial && graph_.happens_before(fence, event.after))
+        access.from.set(f);
+      if (graph_.happens_before(event, fence.after)) access.to.set(f);
+    }
+    if (access.from.any() || access.to.any()) accesses_.push_back(access);
+  }
+
+  void coherence_ordered_before(const Location& location) {
+    accesses_.clear();
+    for (std::size_t place = 0; place < location.stores.size(); ++place)
+      add(location.stores[place], 2 * place);
+    for (const EventId read : location.reads)
+      if (const Event& event = graph_.event(read); !event.writes)
+        add(read, 2 * graph_.place_of(event.from) + 1);
+    std::sort(accesses_.begin(), accesses_.end(),
+              [](const Access& x, const Access& y) { return x.position > y.position; });
+    Nodes later;
+    Nodes here;
+    std::size_t position = accesses_.empty() ? 0 : accesses_.front().position;
+    for (const Access& access : accesses_) {
+      if (access.position != position) later |= here;
+      position = access.position;
+      here |= access.to;
+      for (std::size_t i = access.from._Find_first(); i < count_; i = access.from._Find_next(i))
+        successors_[i] |= later;
+    }
+  }
+
+  // Kept from one question to the next for their memory only.
+  static inline std::array<Nodes, most> successors_;
+  static inline std::vector<std::size_t> fences_;
+  static inline std::vector<Access> accesses_;
+
+  const Graph& graph_;
+  const std::vector<EventId>& nodes_;
+  std::size_t count_;
+};
 
 }  // namespace
 
 bool Graph::seq_cst_order_exists() const {
-  const std::size_t nodes = std::min(seq_cst_.size(), max_nodes);
-  if (nodes < 2) return true;
-  static std::array<Nodes, max_nodes> successors;
-  for (std::size_t i = 0; i < nodes; ++i) successors[i].reset();
-
-  std::vector<std::size_t> fences;
-  for (std::size_t i = 0; i < nodes; ++i) {
-    const Event& a = events_[seq_cst_[i]];
-    if (a.kind == EventKind::fence) fences.push_back(i);
-    for (std::size_t j = 0; j < nodes; ++j) {
-      const Event& b = events_[seq_cst_[j]];
-      if (i != j && (a.thread == b.thread ? a.index < b.index : b.before.count[a.thread] > a.index))
-        successors[i].set(j);
-    }
-  }
-
-  // The accesses to one location that matter to S, with the nodes they stand for.
-  struct Access {
-    std::size_t position;
-    Nodes from;  // as the earlier of two
-    Nodes to;    // as the later
-  };
-  std::vector<Access> accesses;
-  for (std::size_t l = 0; l < location_count_; ++l) {
-    const Location& location = locations_[l];
-    if (location.stores.size() == 1) continue;
-    accesses.clear();
-    const auto add = [&](EventId id, std::size_t position) {
-      const Event& event = events_[id];
-      Access access{position, {}, {}};
-      if (event.order == Order::seq_cst && event.kind != EventKind::initial) {
-        const auto node = std::find(seq_cst_.begin(), seq_cst_.end(), id) - seq_cst_.begin();
-        access.from.set(static_cast<std::size_t>(node));
-        access.to.set(static_cast<std::size_t>(node));
-      }
-      for (const std::size_t f : fences) {
-        const Event& fence = events_[seq_cst_[f]];
-        if (event.kind != EventKind::initial && happens_before(fence, event.after))
-          access.from.set(f);
-        if (happens_before(event, fence.after)) access.to.set(f);
-      }
-      if (access.from.any() || access.to.any()) accesses.push_back(access);
-    };
-    for (std::size_t place = 0; place < location.stores.size(); ++place)
-      add(location.stores[place], 2 * place);
-    for (const EventId read : location.reads)
-      if (!events_[read].writes) add(read, 2 * place_of(events_[read].from) + 1);
-    std::sort(accesses.begin(), accesses.end(),
-              [](const Access& x, const Access& y) { return x.position > y.position; });
-    Nodes later;
-    Nodes here;
-    std::size_t position = accesses.empty() ? 0 : accesses.front().position;
-    for (const Access& access : accesses) {
-      if (access.position != position) later |= here;
-      position = access.position;
-      here |= access.to;
-      for (std::size_t i = access.from._Find_first(); i < nodes; i = access.from._Find_next(i))
-        successors[i] |= later;
-    }
-  }
-
-  // Take away what has no successor left until nothing changes; a rest is a cycle.
-  Nodes left;
-  for (std::size_t i = 0; i < nodes; ++i) left.set(i);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t i = 0; i < nodes; ++i) {
-      if (!left[i] || (successors[i] & left).any()) continue;
-      left.reset(i);
-      changed = true;
-    }
-  }
-  return left.none();
+  if (seq_cst_.size() < 2) return true;
+  if (seq_cst_.size() <= 64) return Relation<64>(*this, seq_cst_).is_acyclic();
+  return Relation<max_nodes>(*this, seq_cst_).is_acyclic();
 }
 
 bool Graph::try_out(Event& event, std::uint32_t id, std::size_t place, bool reads, bool writes) {

@@ -59,6 +59,8 @@ class Strategy {
   virtual unsigned choose_other(Execution& execution, Event& event, unsigned count);
   /// Whether something had to be left out, so that the end of the search proves nothing.
   [[nodiscard]] virtual bool left_out() const { return false; }
+  /// Estimated part of the search that is done, from 0 to 1; 0 where nobody knows.
+  [[nodiscard]] virtual double explored() const { return 0; }
   /// Whether another part of the same search makes this execution too, and counts it.
   [[nodiscard]] virtual bool counted_elsewhere() const { return false; }
   /// `event` is now part of the graph.

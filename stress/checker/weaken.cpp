@@ -51,7 +51,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
   for (const std::string& text : shapes) {
     QueueClient client(entry, parse_shape(text), settings.capacity, &module);
     Options options = settings.options;
-    options.seconds = settings.seconds / 4;
+    options.seconds = 1;
     options.watch_orders = true;
     for (const Execution::OrderSite& site : check(client.scenario(), options).order_sites) {
       if (site.pc == nullptr || weaker(site).empty()) continue;
@@ -70,7 +70,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
       for (const std::string& text : shapes) {
         QueueClient client(entry, parse_shape(text), settings.capacity, &module);
         Options options = settings.options;
-        options.seconds = settings.seconds;
+        options.seconds = settings.seconds / static_cast<double>(shapes.size());
         for (const Execution::OrderSite& site : places) options.weakened.emplace_back(site, order);
         const Result result = check(client.scenario(), options);
         complete = complete && (result.finished || result.finding);

@@ -172,7 +172,6 @@ struct Mpsc {
     static constexpr std::string_view summary = "Vyukov's list for one consumer";
     static constexpr Claims claims{.ordering = Ordering::per_producer_fifo,
                                    .push = Progress::wait_free,
-                                   .pop = Progress::wait_free,
                                    .consumers = Callers::one};
 
     Queue(unsigned /*workers*/, std::size_t /*capacity*/) {

@@ -53,6 +53,7 @@ struct Cores::State {
   std::size_t stack_bytes;
   std::vector<Fiber> fibers;
   Fiber outside{};
+  FaultHandler faults{};
 
   Fiber& fiber(unsigned core) { return core == host ? outside : fibers[core]; }
 
@@ -89,7 +90,7 @@ struct Cores::State {
 Cores::State* Cores::State::running = nullptr;
 
 Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
-    : state_(new State{tenant, stack_bytes, std::vector<Fiber>(count), {}}) {
+    : state_(new State{tenant, stack_bytes, std::vector<Fiber>(count)}) {
   if (State::running != nullptr)
     throw std::logic_error("virtual cores: one object exists already; destroy it first");
   const std::size_t bytes = count * (stack_bytes + guard_bytes);

@@ -413,6 +413,26 @@ const irt::findings::Program programs[] = {
         y.store(1);
         if (x.load() == 0) data = 2;
       }}},
+    {"wild pointer",
+     "failure",
+     {[] {
+        // No memory is mapped that low.
+        if (x.load(rlx) == 1) *reinterpret_cast<volatile int*>(data + 64UL) = 1;
+      },
+      [] { x.store(1, rlx); }}},
+    {"lock tried until ready",
+     "",
+     {[] {
+        std::unique_lock lock(m);
+        while (!ready) {
+          lock.unlock();
+          lock.lock();
+        }
+      },
+      [] {
+        const std::lock_guard lock(m);
+        ready = true;
+      }}},
     {"mixed sizes",
      "",
      {[] {

@@ -1,0 +1,109 @@
+#include "stress/checker/mutants_check.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+#include <stdexcept>
+
+#include "stress/checker/queue_check.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+/// The median time of one random search over its seeds, and how many of them found the mutant.
+std::string samples(const stress::Mutant& mutant, virtual_cores::Module& module, Search search,
+                    const KillSettings& settings) {
+  std::vector<double> seconds;
+  for (unsigned seed = 1; seed <= settings.seeds; ++seed) {
+    const Trial trial =
+        try_queue(mutant.queue, shapes_for(mutant), module, search, seed, settings.seconds);
+    if (trial.found) seconds.push_back(trial.seconds);
+  }
+  std::sort(seconds.begin(), seconds.end());
+  const std::string times =
+      seconds.empty() ? "" : fmt::format(" {:.2f}", seconds[seconds.size() / 2]);
+  return fmt::format("{}/{}{}", seconds.size(), settings.seeds, times);
+}
+
+std::string outcome(const Trial& trial) {
+  if (!trial.found) return trial.finished ? "passes" : "nothing found";
+  return fmt::format("{:.2f} s", trial.seconds);
+}
+
+std::string evidence(const Trial& trial) {
+  return trial.found ? fmt::format("{} on {} ", name_of(*trial.found), trial.shape) : "";
+}
+
+}  // namespace
+
+std::vector<stress::Mutant> mutants_of(virtual_cores::Module& module) {
+  std::size_t count = 0;
+  const auto* first = module.function<const stress::Mutant*(std::size_t*)>("irt_mutants")(&count);
+  // Copied, for the module's own table goes when its globals are reset.
+  return {first, first + count};
+}
+
+std::vector<std::string> shapes_for(const stress::Mutant& mutant) {
+  // A pop that waits for a task ends only when the queue is closed or the frame is over.
+  static const std::map<std::string_view, std::vector<std::string>> special{
+      {"m20", {"E|E|D|D;C"}}, {"m21", {"EE|D|D;C"}}, {"m23", {"E|D;C"}},
+      {"m25", {"C|D"}},       {"m46", {"E:T|T"}},
+  };
+  const auto shapes = special.find(mutant.id);
+  return shapes == special.end() ? std::vector<std::string>{} : shapes->second;
+}
+
+Trial try_queue(const QueueEntry& queue, const std::vector<std::string>& shapes,
+                virtual_cores::Module& module, std::optional<Search> search, std::uint64_t seed,
+                double seconds) {
+  CheckSettings settings;
+  settings.shapes = shapes;
+  settings.search = search;
+  settings.seconds = seconds;
+  settings.quiet = true;
+  settings.reports = false;
+  settings.options.seed = seed;
+  Trial trial;
+  for (const ShapeResult& shape : check_queue(queue, module, settings, "").shapes) {
+    trial.seconds += shape.result.seconds;
+    trial.executions += shape.result.executions;
+    trial.finished = trial.finished && (shape.result.finished || shape.search == "stalls");
+    if (!shape.result.finding) continue;
+    trial.found = shape.result.finding->kind;
+    trial.shape = shape.shape;
+  }
+  return trial;
+}
+
+bool kill_matrix(virtual_cores::Module& module, const KillSettings& settings) {
+  const std::vector<stress::Mutant> mutants = mutants_of(module);
+  for (const std::string& id : settings.ids)
+    if (std::none_of(mutants.begin(), mutants.end(), [&](const auto& m) { return m.id == id; }))
+      throw std::invalid_argument(fmt::format("--mutant \"{}\": there is none of that id", id));
+  fmt::print("{:<11} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}  {:<8} {}\n", "mutant", "default",
+             "every", "bounded", "pos", "pct", "random", "twin", "found as");
+  bool good = true;
+  for (const stress::Mutant& mutant : mutants) {
+    if (!settings.ids.empty() &&
+        std::find(settings.ids.begin(), settings.ids.end(), mutant.id) == settings.ids.end())
+      continue;
+    const auto once = [&](const QueueEntry& queue, std::optional<Search> search) {
+      return try_queue(queue, shapes_for(mutant), module, search, 1, settings.seconds);
+    };
+    const Trial found = once(mutant.queue, {});
+    const Trial twin = once(mutant.twin, {});
+    good = good && found.found && !twin.found;
+    fmt::print("{:<11} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}  {:<8} {}\n", mutant.id,
+               outcome(found), outcome(once(mutant.queue, Search::exhaustive)),
+               outcome(once(mutant.queue, Search::bounded)),
+               samples(mutant, module, Search::pos, settings),
+               samples(mutant, module, Search::pct, settings),
+               samples(mutant, module, Search::random, settings),
+               twin.found ? "ACCUSED" : outcome(twin), evidence(found) + evidence(twin));
+    std::fflush(stdout);
+  }
+  return good;
+}
+
+}  // namespace irt::checker
