@@ -151,7 +151,7 @@ void settle_length(Plan& plan, const std::vector<double>& work, double seconds) 
 bool same_picture(const WorkloadOptions& a, const WorkloadOptions& b) {
   const auto picture = [](const WorkloadOptions& of) {
     return std::tie(of.scene, of.shader, of.kernel, of.frame_buffer, of.width, of.height, of.depth,
-                    of.samples_per_pixel);
+                    of.samples_per_pixel, of.animate);
   };
   return picture(a) == picture(b);
 }
@@ -331,10 +331,19 @@ class Comparison {
     return true;
   }
 
-  // The hash of the first workload that must give the same picture.
+  // The hash of the first workload that must give the same picture. Of one that moves, the first
+  // sample has it: one frame is not enough.
   const std::string& expected_hash(std::size_t workload) const {
+    const WorkloadOptions& wanted = plan_.workloads[workload];
+    if (!wanted.animate.empty()) {
+      return std::ranges::find_if(journal_->samples(),
+                                  [&](const Sample& sample) {
+                                    return same_picture(plan_.workloads[sample.workload], wanted);
+                                  })
+          ->image_hash;
+    }
     std::size_t first = 0;
-    while (!same_picture(plan_.workloads[first], plan_.workloads[workload])) ++first;
+    while (!same_picture(plan_.workloads[first], wanted)) ++first;
     return references_[first].image_hash;
   }
 

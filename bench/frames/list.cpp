@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include "bench/frames/commands.hpp"
+#include "renderer/bvh/dynamic.hpp"
 #include "renderer/engine/task_systems.hpp"
+#include "renderer/scene/animation.hpp"
 #include "renderer/scene/scenes.hpp"
 
 namespace irt {
@@ -25,6 +27,8 @@ int list(const QueueRegistry& queues) {
   section("Terminations", "--termination", terminations());
   section("Shaders", "--shader", shaders());
   section("Task systems", "--task-system", task_systems());
+  section("Animations", "--animate, none by default", animations());
+  section("Updates", "--update, with an animation", updates());
   fmt::print("The first of each is the default. With their files (docs/scenes.md) there are also");
   for (const SceneEntry& entry : real_scenes()) fmt::print(" {}", entry.name);
   fmt::print(".\n");

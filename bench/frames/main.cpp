@@ -69,6 +69,11 @@ class WorkloadArguments {
     choice("--samples-per-pixel", &WorkloadOptions::samples_per_pixel, "primary rays per pixel");
   }
 
+  void add_animation() {
+    choice("--animate", &WorkloadOptions::animate, "what moves, frame by frame (default: nothing)");
+    choice("--update", &WorkloadOptions::update, "how the BVH follows (default: auto)");
+  }
+
   // Once the command line is read, makes every combination of the lists a workload.
   void expand() const {
     for (const Expansion& expansion : expansions_) {
@@ -134,6 +139,7 @@ void add_render(CLI::App& app, Shared& shared, RenderOptions& options) {
   workload.add_tracing();
   workload.add_task_system();
   workload.add_picture();
+  workload.add_animation();
   command.add_option("--queue", options.queue, "work queue");
   command.add_option("--threads", options.threads, "render threads (default: all)")
       ->check(thread_range);
@@ -171,6 +177,7 @@ void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
   workload.add_tracing();
   workload.add_task_system();
   workload.add_picture();
+  workload.add_animation();
   command.add_option("--queue,--queues", options.queues, "work queues (default: all)")
       ->delimiter(',');
   command.add_option("--threads", options.threads, "as 1,2,4 (default: up to all)")

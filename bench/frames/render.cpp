@@ -64,6 +64,14 @@ int render(RenderOptions options, const QueueRegistry& queues) {
         "Output {:.2f} %\n",
         1e3 * number("seconds_per_frame"), percent("share_generate"), percent("share_render_loop"),
         percent("share_output"));
+    if (workload.animated()) {
+      fmt::print(
+          "{:<14}pose {:.2f} ms, {} {:.2f} ms per frame, rebuilt in {:.0f} % of the frames; part "
+          "of "
+          "T.Exec\n",
+          workload.options().animate, number("pose_ms"), workload.options().update,
+          number("update_ms"), percent("share_rebuilt"));
+    }
     if (!options.plain) {
       fmt::print(
           "RenderLoop    Traverse {:.1f} %, Intersect {:.1f} %, Shade {:.1f} %, {}waiting "

@@ -1,17 +1,34 @@
 #include "bench/frames/sample.hpp"
 
+#include <fmt/format.h>
+#include <optional>
+
 namespace irt {
+namespace {
+
+// Of all frames so far, `before` being that of all but the last.
+std::string hash_of_all(const std::string& before, const std::string& last) {
+  const std::string both = before + last;
+  return fmt::format("{:016x}",
+                     fnv1a({reinterpret_cast<const std::uint8_t*>(both.data()), both.size()}));
+}
+
+}  // namespace
+
 void add_counts(std::vector<std::uint64_t>& sum, std::span<const std::uint64_t> counts) {
   while (!counts.empty() && counts.back() == 0) counts = counts.first(counts.size() - 1);
   if (sum.size() < counts.size()) sum.resize(counts.size());
   for (std::size_t i = 0; i < counts.size(); ++i) sum[i] += counts[i];
 }
 
-void Sample::add(const FrameStats& frame) {
+void Sample::add(const FrameStats& frame, const Motion& motion) {
   constexpr double s_per_ns = 1e-9;
   const auto in_s = [](std::uint64_t ns) { return static_cast<double>(ns) * s_per_ns; };
   const WorkerStats total = frame.total();
-  seconds.push_back(frame.seconds());
+  seconds.push_back(motion.seconds() + frame.seconds());
+  pose_s += motion.pose_s;
+  update_s += motion.update_s;
+  rebuilds += motion.rebuilt ? 1 : 0;
   generate_s += frame.generate_s;
   render_s += frame.render_s;
   output_s += frame.output_s;
@@ -43,16 +60,26 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
   sample.queue = uses_queue(workload.options()) ? queue.name : "-";
   sample.threads = options.threads;
   sample.pinned = engine->pinned();
+  std::optional<ThreadExecutor> executor;  // as many threads update as render
+  if (workload.animated()) workload.rewind(executor.emplace(options.threads));
+  double render_s = 0;
   for (unsigned frame = 0; frame < options.warmup + options.frames && !cancel; ++frame) {
+    Motion motion;
+    if (executor && frame > 0) motion = workload.advance(frame, *executor, render_s);
     const FrameStats stats = engine->run(workload.application());
     if (stats.cancelled) break;
+    render_s = stats.render_s;
     // The hash is taken outside of the measured time.
     const std::string hash = workload.image_hash();
-    if (!sample.image_hash.empty()) sample.same_image &= hash == sample.image_hash;
-    sample.image_hash = hash;
+    if (executor) {
+      sample.image_hash = hash_of_all(sample.image_hash, hash);
+    } else {
+      if (!sample.image_hash.empty()) sample.same_image &= hash == sample.image_hash;
+      sample.image_hash = hash;
+    }
     const bool counted = frame >= options.warmup;
     if (counted) {
-      sample.add(stats);
+      sample.add(stats, motion);
     } else {
       sample.lost += stats.lost;
       sample.doubled += stats.doubled;

@@ -20,25 +20,26 @@ struct Sample {
   unsigned threads = 0;
   unsigned repetition = 0;
   std::vector<double> seconds;  ///< T.Exec of each frame
-  double generate_s = 0, render_s = 0, output_s = 0;
+  double pose_s = 0, update_s = 0, generate_s = 0, render_s = 0, output_s = 0;
   double barrier_s = 0, idle_s = 0;
   double trace_s = 0, shade_s = 0, get_s = 0, add_s = 0;
-  double imbalance = 0;  ///< sum over frames; see FrameStats
+  double imbalance = 0;        ///< sum over frames; see FrameStats
+  std::uint64_t rebuilds = 0;  ///< of the structure over a scene that moves
   std::uint64_t rays = 0, tasks = 0, added = 0, failed_gets = 0, overflowed = 0;
   std::uint64_t lost = 0, doubled = 0;
   std::vector<std::uint64_t> gets, adds;  ///< see TimeHistogram, without the zeros at the end
   bool pinned = false;
   bool same_image = true;  ///< every frame had the same hash
-  std::string image_hash;  ///< of the last frame
+  std::string image_hash;  ///< of the last frame; where the scene moves, of all frames
 
-  void add(const FrameStats& frame);
+  void add(const FrameStats& frame, const Motion& motion = {});
 };
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, workload, queue, threads, repetition, seconds,
-                                   generate_s, render_s, output_s, barrier_s, idle_s, trace_s,
-                                   shade_s, get_s, add_s, imbalance, rays, tasks, added,
-                                   failed_gets, overflowed, lost, doubled, gets, adds, pinned,
-                                   same_image, image_hash)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, workload, queue, threads, repetition, seconds, pose_s,
+                                   update_s, rebuilds, generate_s, render_s, output_s, barrier_s,
+                                   idle_s, trace_s, shade_s, get_s, add_s, imbalance, rays, tasks,
+                                   added, failed_gets, overflowed, lost, doubled, gets, adds,
+                                   pinned, same_image, image_hash)
 
 struct SampleOptions {
   unsigned threads = 1;
@@ -50,9 +51,9 @@ struct SampleOptions {
 /// Adds `counts` to `sum`, which grows as far as there are counts.
 void add_counts(std::vector<std::uint64_t>& sum, std::span<const std::uint64_t> counts);
 
-/// Renders with a new engine. If `cancel` becomes true the frames finished so far are returned,
-/// perhaps none. After each frame `on_frame` hears whether it counts. Throws UsageError if the
-/// threads cannot be started.
+/// Renders with a new engine; a scene that moves starts from its first frame. If `cancel` becomes
+/// true the frames finished so far are returned, perhaps none. After each frame `on_frame` hears
+/// whether it counts. Throws UsageError if the threads cannot be started.
 Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOptions& options,
                    const std::atomic<bool>& cancel,
                    const std::function<void(bool)>& on_frame = nullptr);

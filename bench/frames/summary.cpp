@@ -28,14 +28,14 @@ std::vector<Group> group(std::span<const Sample> samples) {
     Sample& sum = found->sum;
     sum.seconds.insert(sum.seconds.end(), sample.seconds.begin(), sample.seconds.end());
     for (double Sample::*field :
-         {&Sample::generate_s, &Sample::render_s, &Sample::output_s, &Sample::barrier_s,
-          &Sample::idle_s, &Sample::trace_s, &Sample::shade_s, &Sample::get_s, &Sample::add_s,
-          &Sample::imbalance}) {
+         {&Sample::pose_s, &Sample::update_s, &Sample::generate_s, &Sample::render_s,
+          &Sample::output_s, &Sample::barrier_s, &Sample::idle_s, &Sample::trace_s,
+          &Sample::shade_s, &Sample::get_s, &Sample::add_s, &Sample::imbalance}) {
       sum.*field += sample.*field;
     }
     for (std::uint64_t Sample::*field :
-         {&Sample::rays, &Sample::tasks, &Sample::added, &Sample::failed_gets, &Sample::overflowed,
-          &Sample::lost, &Sample::doubled}) {
+         {&Sample::rebuilds, &Sample::rays, &Sample::tasks, &Sample::added, &Sample::failed_gets,
+          &Sample::overflowed, &Sample::lost, &Sample::doubled}) {
       sum.*field += sample.*field;
     }
     add_counts(sum.gets, sample.gets);
@@ -68,12 +68,15 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const WorkloadOptions& options = background.workload;
   const auto frames = static_cast<double>(sum.seconds.size());
   const double fps = 1 / quantile(sum.seconds, 0.5);
-  const double all_s = sum.generate_s + sum.render_s + sum.output_s;
+  const double all_s = sum.pose_s + sum.update_s + sum.generate_s + sum.render_s + sum.output_s;
   const double threads_s = sum.render_s * sum.threads;
   const double rays_per_frame = per(static_cast<double>(sum.rays), frames);
   const TimeHistogram gets = histogram(sum.gets), adds = histogram(sum.adds);
   const auto share = [](double part, double whole) { return per(part, whole); };
   const bool queued = sum.queue != "-";
+  const auto of_motion = [&](double figure) {
+    return options.animate.empty() ? Json() : Json(figure);
+  };
   const auto of_queue = [queued](double figure) { return queued ? Json(figure) : Json(); };
   return {
       {"scene", options.scene},
@@ -88,6 +91,8 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"frame_buffer", options.frame_buffer},
       {"termination", options.termination},
       {"shader", options.shader},
+      {"animate", or_null(options.animate)},
+      {"update", or_null(options.update)},
       {"task_size", options.task_size},
       {"width", options.width},
       {"height", options.height},
@@ -115,6 +120,10 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"barrier_wait_ms", per(sum.barrier_s * 1e3, frames * sum.threads)},
       {"idle_ms", per(sum.idle_s * 1e3, frames * sum.threads)},
       {"imbalance", per(sum.imbalance, frames)},
+      // Of a scene that moves: per frame, and in which share of the frames the tree was rebuilt.
+      {"pose_ms", of_motion(per(sum.pose_s * 1e3, frames))},
+      {"update_ms", of_motion(per(sum.update_s * 1e3, frames))},
+      {"share_rebuilt", of_motion(per(static_cast<double>(sum.rebuilds), frames))},
       // Of T.Exec, as tables 5.3 and 7.3 of the thesis.
       {"share_generate", share(sum.generate_s, all_s)},
       {"share_render_loop", share(sum.render_s, all_s)},
@@ -179,7 +188,7 @@ std::vector<Column> choices_of(const Json& runs) {
   std::vector<Column> columns;
   for (const char* key :
        {"scene", "bvh", "kernel", "packet_width", "isa", "shader", "samples_per_pixel", "depth",
-        "task_size", "frame_buffer", "task_system", "termination", "queue"}) {
+        "task_size", "frame_buffer", "task_system", "termination", "animate", "update", "queue"}) {
     std::string title = key == std::string_view("packet_width") ? "packet" : key;
     std::ranges::replace(title, '_', ' ');
     Column column{title, key, title.size()};
@@ -211,6 +220,12 @@ std::string table(const nlohmann::ordered_json& runs) {
   text += fmt::format("{:>7}{:>9}  {:<17}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}{:>9}\n", "threads", "FPS",
                       "quartiles", "Mrays/s", "speed-up", "get ns", "add ns", "failed", "idle ms",
                       "barr. ms");
+  const bool moves =
+      std::ranges::any_of(runs, [](const Json& run) { return !run["animate"].is_null(); });
+  if (moves) {
+    text.pop_back();
+    text += fmt::format("{:>10}{:>9}\n", "update ms", "rebuilt");
+  }
   std::string last;
   unsigned lines = 0;  // in a row that differ in the threads only
   for (const auto& run : runs) {
@@ -232,7 +247,9 @@ std::string table(const nlohmann::ordered_json& runs) {
             fmt::format("{:>9.3f}", run["rays_per_second"].get<double>() / 1e6) +
             number(run["speed_up"], 9, 2) + number(run["get_ns"], 8, 0) +
             number(run["add_ns"], 8, 0) + number(run["failed_gets_per_frame"], 9, 0) +
-            number(run["idle_ms"], 9, 2) + number(run["barrier_wait_ms"], 9, 2) + '\n';
+            number(run["idle_ms"], 9, 2) + number(run["barrier_wait_ms"], 9, 2) +
+            (moves ? number(run["update_ms"], 10, 2) + number(run["share_rebuilt"], 9, 2) : "") +
+            '\n';
   }
   return text;
 }

@@ -101,6 +101,13 @@ void check(WorkloadOptions& options) {
   entry_of(shaders(), options.shader, "shader");
   if (options.scene.empty()) options.scene = built_in_scenes().front().name;
   check_scene(options.scene);
+  if (!options.animate.empty()) {
+    entry_of(animations(), options.animate, "animation");
+    entry_of(updates(), options.update, "update");
+  } else if (!options.update.empty()) {
+    throw UsageError(
+        fmt::format("--update {}: nothing moves; --animate says what should", options.update));
+  }
   check_task_system(options);
 }
 
@@ -116,12 +123,8 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   const ShaderEntry& shader = entry_of(shaders(), options_.shader, "shader");
   check_memory(options_, shader.rays_per_hit(scene_));
   const auto loaded = std::chrono::steady_clock::now();
-  const AcceleratorOptions tracing{
-      .kernel = entry_of(triangle_kernels(), options_.kernel, "kernel").kernel,
-      .width = options_.packet_width,
-      .isa = options_.isa};
   try {
-    accelerator_ = entry_of(accelerators(), options_.bvh, "BVH").build(scene_.mesh, tracing);
+    build();
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("--bvh {}: {}", options_.bvh, error.what()));
   }
@@ -135,6 +138,42 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
+}
+
+void Workload::build() {
+  const AcceleratorEntry& structure = entry_of(accelerators(), options_.bvh, "BVH");
+  const AcceleratorOptions tracing{
+      .kernel = entry_of(triangle_kernels(), options_.kernel, "kernel").kernel,
+      .width = options_.packet_width,
+      .isa = options_.isa};
+  if (options_.animate.empty()) {
+    accelerator_ = structure.build(scene_.mesh, tracing);
+    return;
+  }
+  animation_ = entry_of(animations(), options_.animate, "animation").make(scene_.mesh);
+  animation_->pose(0, scene_.mesh);
+  ThreadExecutor executor;
+  auto dynamic = std::make_unique<DynamicAccelerator>(
+      structure, scene_.mesh, tracing, entry_of(updates(), options_.update, "update").update,
+      executor);
+  dynamic_ = dynamic.get();
+  accelerator_ = std::move(dynamic);
+}
+
+void Workload::rewind(Executor& executor) {
+  animation_->pose(0, scene_.mesh);
+  dynamic_->rebuild(executor);
+}
+
+Motion Workload::advance(std::uint32_t frame, Executor& executor, double render_s) {
+  Motion motion;
+  const auto begin = std::chrono::steady_clock::now();
+  animation_->pose(frame, scene_.mesh);
+  motion.pose_s = seconds_since(begin);
+  const auto posed = std::chrono::steady_clock::now();
+  motion.rebuilt = dynamic_->update(executor, render_s);
+  motion.update_s = seconds_since(posed);
+  return motion;
 }
 
 std::unique_ptr<Engine> Workload::start_engine(const EngineOptions& options,

@@ -6,9 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "renderer/bvh/accelerator.hpp"
+#include "renderer/bvh/dynamic.hpp"
 #include "renderer/engine/task_systems.hpp"
 #include "renderer/frame_buffer/frame_buffer.hpp"
+#include "renderer/scene/animation.hpp"
 #include "renderer/scene/scene.hpp"
 #include "renderer/shading/image.hpp"
 #include "renderer/shading/shader.hpp"
@@ -21,6 +22,8 @@ struct WorkloadOptions {
   std::string scene, bvh, kernel, frame_buffer, task_system, termination, shader;
   unsigned packet_width = 0;                ///< rays per packet; 0: what the structure does best
   std::string isa;                          ///< instruction set; empty: the machine's best
+  std::string animate;                      ///< animation; empty: nothing moves
+  std::string update;                       ///< of the structure; empty: the default, if at all
   std::uint32_t task_size = 256;            ///< packets per task
   std::uint32_t width = 300, height = 300;  ///< pixels
   std::uint32_t depth = 4;                  ///< bounces
@@ -29,8 +32,8 @@ struct WorkloadOptions {
 };
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, kernel, frame_buffer, task_system,
-                                   termination, shader, packet_width, isa, task_size, width, height,
-                                   depth, samples_per_pixel, pin)
+                                   termination, shader, packet_width, isa, animate, update,
+                                   task_size, width, height, depth, samples_per_pixel, pin)
 
 /// Puts the names of the defaults where nothing was given. Throws UsageError where a name is
 /// unknown or a number is out of range.
@@ -38,6 +41,15 @@ void check(WorkloadOptions& options);
 
 /// Whether a frame with these options, which were checked, goes through a work queue.
 bool uses_queue(const WorkloadOptions& options);
+
+/// What it took to get from one frame to the next. Times in seconds.
+struct Motion {
+  double pose_s = 0;    ///< to move the vertices
+  double update_s = 0;  ///< to refit or rebuild the structure
+  bool rebuilt = false;
+
+  double seconds() const { return pose_s + update_s; }
+};
 
 /// A scene with its structure, ready to be rendered by any engine.
 class Workload {
@@ -53,6 +65,15 @@ class Workload {
   /// Options of an engine for this workload, but for its threads.
   EngineOptions engine_options(unsigned threads) const;
 
+  /// Whether the scene moves from frame to frame. `rewind` and `advance` are for such alone.
+  bool animated() const { return animation_ != nullptr; }
+
+  /// Goes back to the first frame, with a new structure, built by `executor`.
+  void rewind(Executor& executor);
+
+  /// Goes on to frame number `frame`. `render_s` is what rendering took since the last call.
+  Motion advance(std::uint32_t frame, Executor& executor, double render_s);
+
   const WorkloadOptions& options() const { return options_; }
   const Scene& scene() const { return scene_; }
   const Accelerator& accelerator() const { return *accelerator_; }
@@ -65,10 +86,14 @@ class Workload {
   std::string image_hash() const;
 
  private:
+  void build();
+
   WorkloadOptions options_;
   double load_s_ = 0, build_s_ = 0;
   Scene scene_;
+  std::unique_ptr<Animation> animation_;
   std::unique_ptr<Accelerator> accelerator_;
+  DynamicAccelerator* dynamic_ = nullptr;  ///< the same, where the scene moves
   std::unique_ptr<FrameBuffer> frame_;
   std::unique_ptr<Shader> shader_;
   std::unique_ptr<ImageRendering> application_;

@@ -25,6 +25,8 @@ struct TraceProfile {
   std::uint64_t intersect_ns = 0;
 };
 
+class Executor;
+
 /// A built structure over one mesh, which must outlive it. Queries are const and thread-safe.
 class Accelerator {
  public:
@@ -44,9 +46,16 @@ class Accelerator {
 
   /// Bytes that the structure occupies beside the mesh.
   virtual std::size_t memory_bytes() const = 0;
-};
 
-class Executor;
+  /// Adapts the structure to `mesh`, which has the triangles that it was built over at other
+  /// places. Quicker than to build anew, with the same answers, which take the longer to find the
+  /// further triangles have moved. No query runs meanwhile. False where the structure cannot.
+  virtual bool refit(const Mesh& /*mesh*/, Executor& /*executor*/) { return false; }
+
+  /// What a ray is expected to cost, by the surface area heuristic. Only its growth from refit to
+  /// refit means anything; the unit is the structure's own.
+  virtual double sah_cost() const { return 1; }
+};
 
 /// How a ray is tested against a triangle: the classes of renderer/tracing/kernels-inl.hpp.
 enum class TriangleKernel : std::uint8_t {

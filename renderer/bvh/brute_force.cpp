@@ -7,6 +7,11 @@ namespace irt {
 BruteForce::BruteForce(const Mesh& mesh, const AcceleratorOptions& options)
     : SingleRayAccelerator("none", options), triangles_(corners(mesh)) {}
 
+bool BruteForce::refit(const Mesh& mesh, Executor& /*executor*/) {
+  triangles_ = corners(mesh);
+  return true;
+}
+
 template <class Kernel, bool any, class Probe>
 Hit BruteForce::trace(const KernelRay<Kernel>& ray, Probe& probe) const {
   Hit best = no_hit(ray);

@@ -20,6 +20,7 @@ class BruteForce final : public SingleRayAccelerator<BruteForce> {
   Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
   std::size_t memory_bytes() const override { return triangles_.size() * sizeof(Triangle); }
+  bool refit(const Mesh& mesh, Executor& executor) override;
 
  private:
   std::vector<Triangle> triangles_;

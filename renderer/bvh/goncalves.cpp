@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "renderer/bvh/sah_cost.hpp"
 #include "renderer/bvh/triangles.hpp"
 
 namespace irt {
@@ -149,6 +150,21 @@ Goncalves::Goncalves(const Mesh& mesh, const AcceleratorOptions& options)
   for (const Triangle& triangle : triangles_) builder.boxes.push_back(padded_bounds(triangle));
   std::iota(builder.order.begin(), builder.order.end(), 0u);
   builder.build();
+  sah_cost_ = expected_boxes(nodes_);
+}
+
+bool Goncalves::refit(const Mesh& mesh, Executor& /*executor*/) {
+  triangles_ = corners(mesh);
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {  // children before parents
+    if (node->child1 == nullptr) {
+      node->box = padded_bounds(triangles_[node->triangle]);
+    } else {
+      node->box = node->child1->box;
+      node->box.grow(node->child2->box);
+    }
+  }
+  sah_cost_ = expected_boxes(nodes_);
+  return true;
 }
 
 template <class Kernel, bool any, class Probe>

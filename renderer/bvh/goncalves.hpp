@@ -12,7 +12,7 @@ namespace irt {
 /// (thesis 5.1, listing 5.1, there after A. Gonçalves).
 ///
 /// The thesis' baseline for everything later; quick to build, twice the memory of `wald`, and every
-/// ray walks alone. Build once: the mesh must not change.
+/// ray walks alone.
 ///
 /// Built top-down with the surface area heuristic over binned candidates. As in Shevtsov's min-max
 /// binning (Shevtsov, Soupikov, Kapustin 2007) the lower and the upper edges of the boxes are
@@ -33,6 +33,8 @@ class Goncalves final : public SingleRayAccelerator<Goncalves> {
   std::size_t memory_bytes() const override {
     return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Triangle);
   }
+  bool refit(const Mesh& mesh, Executor& executor) override;
+  double sah_cost() const override { return sah_cost_; }
 
  private:
   struct Node {
@@ -44,7 +46,8 @@ class Goncalves final : public SingleRayAccelerator<Goncalves> {
   struct Builder;
 
   std::vector<Triangle> triangles_;
-  std::vector<Node> nodes_;  ///< the root first; never resized once pointers are taken
+  std::vector<Node> nodes_;  ///< parents first; never resized once pointers are taken
+  double sah_cost_ = 1;      ///< boxes that a ray which enters the root is expected to enter
 };
 
 }  // namespace irt

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "renderer/bvh/sah_cost.hpp"
 #include "renderer/bvh/triangles.hpp"
 
 namespace irt {
@@ -168,6 +169,26 @@ Wald::Wald(const Mesh& mesh, const AcceleratorOptions& options)
   for (const Reference& reference : builder.references) {
     triangles_.push_back({triangle_of(mesh, reference.index), reference.index});
   }
+  sah_cost_ = expected_boxes(nodes_);
+}
+
+bool Wald::refit(const Mesh& mesh, Executor& /*executor*/) {
+  for (WaldTriangle& triangle : triangles_) triangle.corners = triangle_of(mesh, triangle.index);
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {  // children before parents
+    Box box;
+    if (node->triangles > 0) {
+      for (std::uint32_t i = node->first; i < node->first + node->triangles; ++i) {
+        box.grow(padded_bounds(triangles_[i].corners));
+      }
+    } else {
+      box = nodes_[node->first].box();
+      box.grow(nodes_[node->first + 1].box());
+    }
+    node->box_min = box.lo;
+    node->box_max = box.hi;
+  }
+  sah_cost_ = expected_boxes(nodes_);
+  return true;
 }
 
 void Wald::closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const {

@@ -39,6 +39,8 @@ class Wald final : public SingleRayAccelerator<Wald> {
   std::size_t memory_bytes() const override {
     return nodes_.size() * sizeof(WaldNode) + triangles_.size() * sizeof(WaldTriangle);
   }
+  bool refit(const Mesh& mesh, Executor& executor) override;
+  double sah_cost() const override { return sah_cost_; }
 
  private:
   struct Builder;
@@ -46,6 +48,7 @@ class Wald final : public SingleRayAccelerator<Wald> {
   const WaldPackets* packets_;   ///< null: rays walk one by one
   std::vector<WaldNode> nodes_;  ///< the root first, then children in pairs
   std::vector<WaldTriangle> triangles_;
+  double sah_cost_ = 1;  ///< boxes that a ray which enters the root is expected to enter
 };
 
 }  // namespace irt

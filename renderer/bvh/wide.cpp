@@ -2,6 +2,7 @@
 
 #include "renderer/bvh/executor.hpp"
 #include "renderer/bvh/wide_build.hpp"
+#include "renderer/bvh/wide_refit.hpp"
 
 namespace irt {
 
@@ -13,6 +14,11 @@ Wide::Wide(const Mesh& mesh, const AcceleratorOptions& options)
   }
   ThreadExecutor executor;
   bvh_ = build_wide(mesh, executor);
+}
+
+bool Wide::refit(const Mesh& mesh, Executor& executor) {
+  refit_wide(bvh_, mesh, executor);
+  return true;
 }
 
 void Wide::closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const {

@@ -31,6 +31,8 @@ class Wide final : public Accelerator {
                TraceProfile* profile = nullptr) const override;
 
   std::size_t memory_bytes() const override { return bvh_.memory_bytes(); }
+  bool refit(const Mesh& mesh, Executor& executor) override;
+  double sah_cost() const override { return bvh_.sah_cost; }
 
   const WideBvh& bvh() const { return bvh_; }
 

@@ -109,6 +109,9 @@ TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--width", "3"}, "1, 4, 8 or 16");
   expect_one_line({"render", "--bvh", "goncalves", "--width", "8"}, "single rays");
   expect_one_line({"render", "--bvh", "wald", "--width", "8", "--isa", "mmx"}, "machine");
+  expect_one_line({"render", "--animate", "wav"}, "wave");
+  expect_one_line({"render", "--animate", "wave", "--update", "rebiuld"}, "rebuild");
+  expect_one_line({"render", "--update", "refit"}, "--animate");
   expect_one_line({"render", "--task-system", "qeue"}, "queue");
   expect_one_line({"render", "--task-system", "tbb", "--pin"}, "--pin");
   expect_one_line({"render", "--task-system", "tbb", "--termination", "leave-when-empty"},
@@ -197,11 +200,14 @@ TEST(Tool, EveryChoiceOfTheListCanBeRendered) {
                           option,
                           name};
       if (option == "--kernel") arguments.insert(arguments.end(), {"--bvh", "goncalves"});
+      if (option == "--update") arguments.insert(arguments.end(), {"--animate", "wave"});
       Tool one(arguments);
       EXPECT_EQ(one.wait(), 0) << option << " " << name << ": " << one.err();
       ++choices;
       // These have a say in the picture.
-      if (option == "--frame-buffer" || option == "--shader" || option == "--kernel") continue;
+      const std::set<std::string> other{"--frame-buffer", "--shader", "--kernel", "--animate",
+                                        "--update"};
+      if (other.contains(option)) continue;
       const auto run = json_of(directory / "a.json").at(0);
       hashes.insert(run["image_hash"].get<std::string>());
     } else {
@@ -290,6 +296,44 @@ TEST_F(CompareTest, EveryChoiceMayBeAListAndBecomesRows) {
   Tool other({"compare", "--resume", "--out", out, "--bvh", "wide"});
   EXPECT_EQ(other.wait(), 2);
   EXPECT_NE(other.err().find("bvh: [\"wide\",\"wald\"] before"), std::string::npos) << other.err();
+}
+
+TEST_F(CompareTest, AMovingSceneGivesTheSameFramesHoweverTheTreeFollows) {
+  Tool tool({"compare",
+             "--scene",
+             "office",
+             "--size",
+             "32x32",
+             "--animate",
+             "swarm",
+             "--bvh",
+             "wide,goncalves",
+             "--update",
+             "refit,rebuild,auto",
+             "--queue",
+             "lfree",
+             "--threads",
+             "1,2",
+             "--repetitions",
+             "1",
+             "--frames",
+             "3",
+             "--out",
+             out});
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  const auto runs = json_of(out / "compare.json");
+  ASSERT_EQ(runs.size(), 12u);
+  std::set<std::string> hashes;
+  for (const auto& run : runs) {
+    hashes.insert(run["image_hash"].get<std::string>());
+    EXPECT_GT(run["update_ms"], 0);
+    if (run["update"] == "refit") EXPECT_EQ(run["share_rebuilt"], 0);
+    if (run["update"] == "rebuild") EXPECT_EQ(run["share_rebuilt"], 1);
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+  Tool still(render({"--json", out / "still.json"}));
+  EXPECT_EQ(still.wait(), 0);
+  EXPECT_TRUE(json_of(out / "still.json").at(0)["update_ms"].is_null());
 }
 
 TEST_F(CompareTest, AnInterruptEndsCleanlyAndResumeGoesOn) {
