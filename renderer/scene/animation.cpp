@@ -138,16 +138,19 @@ class Wave final : public Animation {
   Extent extent_;
 };
 
-/// Small objects circle each at its own pace, so that neighbours part.
+/// Small objects circle each at its own pace, so that neighbours part; where there is none, all do.
 class Swarm final : public Animation {
  public:
   explicit Swarm(const Mesh& mesh) : rest_(mesh.vertices) {
     constexpr float small = 0.25f, reach = 0.1f;
     const float size = extent_of(mesh.vertices).size();
     radius_ = reach * size;
-    for (Object& object : objects_of(mesh)) {
-      if (object.extent.size() < small * size) moving_.push_back(std::move(object));
-    }
+    std::vector<Object> all = objects_of(mesh);
+    const auto large = std::stable_partition(all.begin(), all.end(), [&](const Object& object) {
+      return object.extent.size() < small * size;
+    });
+    if (large != all.begin()) all.erase(large, all.end());
+    moving_ = std::move(all);
   }
 
   void pose(std::uint32_t frame, Mesh& mesh) const override {
