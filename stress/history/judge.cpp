@@ -49,6 +49,19 @@ void judge_one_queue(const History& history, const Claims& claims, std::size_t c
   }
 }
 
+/// The first *full* of a queue that claims no bound.
+std::optional<Violation> unbounded_full(const History& history) {
+  for (unsigned worker = 0; worker < history.logs.size(); ++worker) {
+    for (const Operation& operation : history.logs[worker]) {
+      if (operation.kind != Kind::full) continue;
+      return Violation{.pattern = Pattern::full,
+                       .text = "push answered full, and the queue claims no bound",
+                       .culprits = {{worker, operation}}};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Verdict judge(const History& history, const Claims& claims, std::size_t capacity) {
@@ -63,6 +76,7 @@ Verdict judge(const History& history, const Claims& claims, std::size_t capacity
   };
   for (const auto& log : history.logs) count(log);
   count(history.drain);
+  if (!claims.bounded && verdict.fulls > 0) add(verdict, unbounded_full(history));
 
   if (claims.consumers != Callers::own_worker) {
     judge_one_queue(history, claims, capacity, verdict);

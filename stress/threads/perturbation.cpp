@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <string_view>
+#include <sys/resource.h>
 #include <unistd.h>
 #include <vector>
 
@@ -33,9 +34,17 @@ void pin_to(std::uint64_t choice) {
   }
 }
 
-void set_class(int policy) {
-  const sched_param parameter{};
-  pthread_setschedparam(pthread_self(), policy, &parameter);
+int first_nice() {
+  static const int nice = getpriority(PRIO_PROCESS, 0);
+  return nice;
+}
+
+/// A third of the processor time beside a thread that is as nice as at the start. Not less: on a
+/// busy machine the round must go on.
+constexpr int nicer = 5;
+
+void set_nice(pid_t thread, int nice) {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(thread), nice);
 }
 
 }  // namespace
@@ -72,8 +81,7 @@ Disturber::~Disturber() {
 
 void stop_disturbing(pid_t thread) {
   sched_setaffinity(thread, sizeof(cpu_set_t), &allowed_cores());
-  const sched_param parameter{};
-  sched_setscheduler(thread, SCHED_OTHER, &parameter);
+  set_nice(thread, first_nice());
 }
 
 std::uint64_t Disturber::next() {
@@ -93,7 +101,7 @@ void Disturber::edge() {
   }
   if (what_.priorities && dice % 512 == 3) {
     changed_ = true;
-    set_class(next() % 4 == 0 ? SCHED_IDLE : SCHED_OTHER);
+    set_nice(gettid(), first_nice() + (next() % 4 == 0 ? nicer : 0));
   }
 }
 

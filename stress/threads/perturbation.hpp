@@ -12,14 +12,14 @@ struct Perturbation {
   bool delays = false;      ///< spins for up to a few microseconds
   bool yields = false;      ///< gives up the processor
   bool moves = false;       ///< pins the thread to another core
-  bool priorities = false;  ///< switches between the normal and the idle scheduling class
+  bool priorities = false;  ///< changes its own priority (nice)
   bool stalls = false;      ///< not only at edges: threads are put to sleep at random moments
 
   static Perturbation draw(std::uint64_t seed);
   [[nodiscard]] std::string describe() const;
 };
 
-/// Gives `thread` back its cores and, where the system allows that, its scheduling class.
+/// Gives `thread` back its cores and, where the system allows that, its priority.
 void stop_disturbing(pid_t thread);
 
 /// Applies a perturbation to the calling thread; every thread has its own.

@@ -142,7 +142,12 @@ class ProgressRun {
         } else {
           try_both(victim, (random >> 60) % 2 == 0 ? Doing::push : Doing::pop);
         }
-        if (victim_.exchange(nullptr, std::memory_order_acq_rel) != nullptr) release(victim);
+        if (victim_.exchange(nullptr, std::memory_order_acq_rel) != nullptr) {
+          release(victim);
+        } else {
+          // The monitor lets it go; who is stopped before it is done would be let go, too.
+          while (!let_go_.exchange(false, std::memory_order_relaxed)) std::this_thread::yield();
+        }
       } else if (inside_.load(std::memory_order_relaxed) < most_inside) {
         if (cast_.pushes(driver_)) call(driver_, Doing::push);
       } else if (cast_.pops(driver_)) {
@@ -234,6 +239,7 @@ class ProgressRun {
       if (victim == nullptr) continue;
       block(method, *victim);
       release(*victim);
+      let_go_.store(true, std::memory_order_relaxed);
     }
   }
 
@@ -260,6 +266,7 @@ class ProgressRun {
   std::unique_ptr<ElementQueue> queue_;
   std::atomic<std::int64_t> inside_{0};
   std::atomic<Slot*> victim_{nullptr};  ///< who is held; whoever takes it out releases
+  std::atomic<bool> let_go_{false};     ///< the monitor has released whom it took out
   std::atomic<bool> stop_{false};
 };
 

@@ -50,7 +50,9 @@ TEST(ExactlyOnce, FindsAnInventedElement) {
 TEST(ExactlyOnce, AllowsRefusedElementsAndGaps) {
   const History h = history({{push(a0, 0, 1), full(a1, 2, 3), push(element(0, 2), 4, 5)}},
                             {pop(a0, 6, 7), pop(element(0, 2), 8, 9)});
-  EXPECT_TRUE(judge(h, claims(Ordering::fifo_real_time), 1).violations.empty());
+  Claims ring = claims(Ordering::fifo_real_time);
+  ring.bounded = true;
+  EXPECT_TRUE(judge(h, ring, 1).violations.empty());
 }
 
 TEST(RealTime, FindsSwappedElements) {
@@ -158,6 +160,11 @@ TEST(Full, IsJudgedByWhatCanHaveBeenInside) {
   const History h = history({{push(a0, 0, 1), full(a1, 2, 3)}}, drain);
   EXPECT_TRUE(judge(h, ring, 1).violations.empty());
   EXPECT_TRUE(accuses(judge(h, ring, 2), Pattern::full));
+}
+
+TEST(Full, IsNoAnswerOfAnUnboundedQueue) {
+  const History h = history({{push(a0, 0, 1), full(a1, 2, 3)}}, {pop(a0, 20, 21)});
+  EXPECT_TRUE(accuses(judge(h, claims(Ordering::per_producer_fifo), 0), Pattern::full));
 }
 
 TEST(Full, APopThatHasNotReturnedStillHoldsItsPlace) {

@@ -1,6 +1,6 @@
-// How fast the real-time oracle is. The target is 10^7 operations a second on one core; the test
-// fails only far below it, because test machines are shared.
-#include <chrono>
+// How fast the real-time oracle is, in processor time. The target is 10^7 operations a second on
+// one core; the test fails only far below it, because test machines are shared.
+#include <ctime>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -29,12 +29,12 @@ History large_history(std::uint64_t each) {
 
 TEST(Speed, TheRealTimeOracleJudgesMillionsOfOperationsASecond) {
   const History h = large_history(250'000);
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   const Matching matching(h);
   EXPECT_TRUE(matching.violations().empty());
   EXPECT_TRUE(judge_real_time(matching).empty());
-  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-  const double rate = 8 * 250'000 / passed.count();
+  const double passed = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  const double rate = 8 * 250'000 / passed;
   std::printf("real-time oracle: %.1f million operations a second\n", rate / 1e6);
   EXPECT_GT(rate, 1e6);
 }
