@@ -95,6 +95,7 @@ Verdict judge(const History& history, const Claims& claims, std::size_t capacity
     }
     judge_one_queue(own, claims, capacity, verdict);
   }
+  verdict.relaxation = measure_relaxation(Matching(history));
   return verdict;
 }
 

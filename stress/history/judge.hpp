@@ -31,7 +31,8 @@ struct Verdict {
 ///     fifo_happens_before  order, empty and full by happens-before
 ///     fifo_real_time       linearizable in real time, exact empty and full; implies the above
 ///
-/// Where each worker has a queue of its own (`Callers::own_worker`), each is judged alone.
+/// Where each worker has a queue of its own (`Callers::own_worker`), each is judged alone; the
+/// relaxation is that of all together.
 Verdict judge(const History& history, const Claims& claims, std::size_t capacity);
 
 }  // namespace irt::stress

@@ -147,7 +147,7 @@ const auto& all() {
       stealing<DequeBug::last_without_cas>("m41", "last element taken without compare-and-swap",
                                            thieves, by_oracles),
       stealing<DequeBug::read_after_cas>("m42", "thief reads after it moved the top",
-                                         with_capacity("roles", 2), by_oracles),
+                                         usual("come-and-go"), by_oracles),
       stealing<DequeBug::steal_half>("m44", "thief takes half while the owner takes most", thieves,
                                      by_oracles),
       mutant<FramePool<false>::Queue, FramePool<true>::Queue>(

@@ -98,7 +98,7 @@ std::string show(const Cell& cell) {
   if (cell.kills == 0) return cell.runs > 1 ? fmt::format("0/{}", cell.runs) : "-";
   std::vector<double> times = cell.times;
   std::nth_element(times.begin(), times.begin() + std::ssize(times) / 2, times.end());
-  const std::string median = fmt::format("{:.2f}", times[times.size() / 2]);
+  std::string median = fmt::format("{:.2f}", times[times.size() / 2]);
   if (cell.runs == 1) return median;
   return fmt::format("{} {:.2f} {}/{}", median, cell.slowest, cell.kills, cell.runs);
 }

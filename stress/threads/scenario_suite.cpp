@@ -241,10 +241,14 @@ void tell_figures(const Verdict& sums, const Claims& claims, Messenger& messenge
   messenger.figure("fulls", sums.fulls);
   if (sums.refuted_empties > 0) {
     messenger.figure("refuted_empties", sums.refuted_empties);
+  }
+  const bool exact = claims.ordering == Ordering::fifo_real_time ||
+                     claims.ordering == Ordering::fifo_happens_before;
+  if (sums.refuted_empties > 0 && !exact) {
     messenger.note(fmt::format("{} of {} empties are refuted by happens-before (not claimed exact)",
                                sums.refuted_empties, sums.empties));
   }
-  if (!sums.relaxation || claims.consumers == Callers::own_worker) return;
+  if (!sums.relaxation) return;
   const Relaxation& r = *sums.relaxation;
   messenger.figure(
       "rank_error",

@@ -62,7 +62,7 @@ void Watchdog::remember() {
 }
 
 bool Watchdog::all_had_their_turn() const {
-  constexpr std::uint64_t share = 100'000'000;  // nanoseconds; an operation takes microseconds
+  constexpr std::uint64_t share = 20'000'000;  // nanoseconds; an operation takes microseconds
   bool anybody = false;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (slots_[i].doing.load(std::memory_order_relaxed) == Doing::nothing) continue;

@@ -208,6 +208,17 @@ TEST(OwnWorker, EachWorkersQueueIsJudgedAlone) {
   EXPECT_TRUE(accuses(judge(stolen, local, 0), Pattern::fresh));
 }
 
+TEST(OwnWorker, TheRelaxationIsThatOfAllTogether) {
+  Claims local = claims(Ordering::per_producer_fifo);
+  local.producers = Callers::own_worker;
+  local.consumers = Callers::own_worker;
+  const History h = history({{push(a0, 0, 1)}, {push(b0, 2, 3), pop(b0, 4, 5)}}, {pop(a0, 6, 7)});
+  const Verdict verdict = judge(h, local, 0);
+  EXPECT_TRUE(verdict.violations.empty());
+  ASSERT_TRUE(verdict.relaxation.has_value());
+  EXPECT_EQ(verdict.relaxation->rank_error.max, 1U);
+}
+
 TEST(Explain, DrawsTheOperationsToScale) {
   const History h = history({{push(a0, 0, 100)}, {empty(200, 300)}, {pop(a0, 400, 500)}});
   const Verdict verdict = judge(h, claims(Ordering::fifo_real_time), 0);
