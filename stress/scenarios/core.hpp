@@ -126,6 +126,8 @@ class Core {
   virtual Stamp leave() = 0;
   /// The barrier of all workers.
   virtual void wait_for_all() = 0;
+  /// Ends the share of operations early.
+  void stop_here() { left_ = 0; }
 
  private:
   WorkerState& state_;

@@ -149,9 +149,14 @@ class ScenarioRunner {
 
   void run_team(ElementQueue& queue, const Perturbation& perturbation, std::uint64_t seed) {
     Gate gate(cast_.workers);
+    // Where others load the machine, threads that wait for each other get slow: many rounds find
+    // more than one long one.
+    const double budget = std::min(0.5, assignment_.seconds / 8) * 1e9;  // nanoseconds
+    const Stamp deadline =
+        stamp_after() + static_cast<Stamp>(budget * assignment_.clock.ticks_per_nanosecond);
     const auto one_thread = [&](unsigned worker, unsigned generation) {
       ThreadCore core(states_[worker], queue, assignment_.queue, slots_[worker], gate, perturbation,
-                      seed + worker + 1000 * generation);
+                      seed + worker + 1000 * generation, deadline);
       try {
         scenario_.run(core);
       } catch (...) {

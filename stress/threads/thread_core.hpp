@@ -13,14 +13,17 @@ namespace irt::stress {
 
 class ThreadCore final : public Core {
  public:
-  /// `gate` is the barrier of the run. The queue of `entry` is the one under test.
+  /// `gate` is the barrier of the run. The queue of `entry` is the one under test. No operation
+  /// that the scenario may leave out starts after `deadline`.
   ThreadCore(WorkerState& state, ElementQueue& queue, const QueueEntry& entry, Slot& slot,
-             Gate& gate, const Perturbation& perturbation, std::uint64_t seed)
+             Gate& gate, const Perturbation& perturbation, std::uint64_t seed,
+             Stamp deadline = never)
       : Core(state, queue),
         entry_(entry),
         slot_(slot),
         gate_(gate),
-        disturber_(perturbation, seed) {}
+        disturber_(perturbation, seed),
+        deadline_(deadline) {}
 
   void idle() override { std::this_thread::yield(); }
   Stamp stamp() override { return stamp_after(); }
@@ -36,6 +39,7 @@ class ThreadCore final : public Core {
   }
   Stamp leave() override {
     const Stamp now = stamp_after();
+    if (now > deadline_) stop_here();
     slot_.doing.store(Doing::nothing, std::memory_order_relaxed);
     // relaxed, not an increment in memory: only this thread writes
     slot_.done.store(slot_.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
@@ -50,6 +54,7 @@ class ThreadCore final : public Core {
   Slot& slot_;
   Gate& gate_;
   Disturber disturber_;
+  Stamp deadline_;
 };
 
 }  // namespace irt::stress
