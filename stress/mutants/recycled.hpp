@@ -90,8 +90,8 @@ struct Recycled {
     }
     static Node* pointer(Word w) {
       // A counted pointer: the lower 48 bits are the address.
-      return reinterpret_cast<Node*>(
-          w & ((Word{1} << tag_shift) - 1));  // NOLINT(performance-no-int-to-ptr)
+      // NOLINTNEXTLINE(performance-no-int-to-ptr)
+      return reinterpret_cast<Node*>(w & ((Word{1} << tag_shift) - 1));
     }
     static Word tag(Word w) { return w >> tag_shift; }
 

@@ -264,7 +264,8 @@ int parse_and_run(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "of all random choices")->capture_default_str();
   app.add_option("--sanitizer", options.sanitizer, "none, tsan or asan: must be this build's");
-  app.add_option("--json", options.json, "write the results to this file");
+  // ./irt stress --mutants runs the sanitizers' builds with a file of its own behind the user's.
+  app.add_option("--json", options.json, "write the results to this file")->take_last();
   app.add_option("--junit", options.junit, "write JUnit XML to this file");
   app.add_flag("--mutants", options.mutants,
                "run queues with known bugs instead: which instrument finds which, and how soon");
