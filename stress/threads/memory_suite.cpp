@@ -112,7 +112,8 @@ class Churn {
     const double per_push = static_cast<double>(growth) / static_cast<double>(pushes);
     messenger_.figure("peak_bytes", peak);
     messenger_.figure("bytes_per_push", per_push);
-    if (peak < most_inside * 4) {
+    // Eight bytes each, and not all places are taken all the time.
+    if (peak < most_inside * 6) {
       messenger_.limit("memory: this queue's elements do not live in malloc's memory");
       return;
     }
