@@ -56,7 +56,7 @@ TEST(ScenarioSuite, FindsADoubledElement) {
 TEST(ScenarioSuite, FindsAWrongOrder) {
   const Result result = run_on(broken_entry<Defect::reorders>(), "bursts");
   EXPECT_EQ(claim_of(result), "order of elements");
-  EXPECT_NE(result.findings[0].evidence.find("|"), std::string::npos) << "draws the operations";
+  EXPECT_NE(result.findings[0].evidence.find('|'), std::string::npos) << "draws the operations";
   EXPECT_NE(result.findings[0].evidence.find("in round"), std::string::npos);
 }
 
