@@ -192,7 +192,8 @@ bool Wald::refit(const Mesh& mesh, Executor& /*executor*/) {
 }
 
 void Wald::closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) const {
-  if (packets_ == nullptr) return SingleRayAccelerator::closest_hit(rays, hits, profile);
+  if (packets_ == nullptr || rays.singly)
+    return SingleRayAccelerator::closest_hit(rays, hits, profile);
   with_profile(profile, [&](auto& probe) {
     packets_->closest({nodes_, triangles_}, rays, hits, tick_probe(probe));
   });
@@ -200,7 +201,8 @@ void Wald::closest_hit(const Rays& rays, Hits& hits, TraceProfile* profile) cons
 
 void Wald::any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
                    TraceProfile* profile) const {
-  if (packets_ == nullptr) return SingleRayAccelerator::any_hit(rays, occluded, profile);
+  if (packets_ == nullptr || rays.singly)
+    return SingleRayAccelerator::any_hit(rays, occluded, profile);
   with_profile(profile, [&](auto& probe) {
     packets_->any({nodes_, triangles_}, rays, occluded, tick_probe(probe));
   });

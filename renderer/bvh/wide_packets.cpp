@@ -78,7 +78,7 @@ template <class Answers>
 void trace(const WideBvh& bvh, const WideWay& way, const Rays& rays, const Answers& answers,
            TickProbe* probe) {
   const WideQuery query{static_cast<const KernelCode*>(way.code), Answers::any, probe};
-  switch (way.width) {
+  switch (rays.singly ? 1 : way.width) {
     case 1:
       return trace_rays(bvh, rays, answers, query);
     case 4:

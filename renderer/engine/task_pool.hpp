@@ -26,6 +26,7 @@ class TaskPool {
     Task& task = *list.free.back();
     list.free.pop_back();
     task.rays.size = 0;
+    task.rays.singly = false;
     return task;
   }
 

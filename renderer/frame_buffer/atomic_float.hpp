@@ -12,6 +12,8 @@ namespace irt {
 /// The low bits of a sum depend on the order of the adds.
 class AtomicFloatFrameBuffer final : public FrameBuffer {
  public:
+  using FrameBuffer::add;
+
   AtomicFloatFrameBuffer(std::uint32_t width, std::uint32_t height)
       : FrameBuffer(width, height), sums_(std::size_t{width} * height * 3) {}
 

@@ -36,6 +36,14 @@ class FixedPointFrameBuffer final : public FrameBuffer {
     if (blue != 0) words.blue.fetch_add(blue, std::memory_order_relaxed);
   }
 
+  using FrameBuffer::add;
+  void add(std::uint32_t count, const std::uint32_t* pixel, const float* red, const float* green,
+           const float* blue) override {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      FixedPointFrameBuffer::add(pixel[i], {red[i], green[i], blue[i]});
+    }
+  }
+
   void clear() override {
     for (Words& words : words_) {
       words.red.store(0, std::memory_order_relaxed);

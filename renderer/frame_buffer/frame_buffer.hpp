@@ -33,6 +33,12 @@ class FrameBuffer {
   /// Each channel is clamped at 0 from below; a NaN counts as 0.
   virtual void add(std::uint32_t pixel, Vec3 value) = 0;
 
+  /// `add` of many: contribution i goes to pixel[i] and has the channels red[i], green[i], blue[i].
+  virtual void add(std::uint32_t count, const std::uint32_t* pixel, const float* red,
+                   const float* green, const float* blue) {
+    for (std::uint32_t i = 0; i < count; ++i) add(pixel[i], {red[i], green[i], blue[i]});
+  }
+
   /// Sets every sum to zero. No other call runs at the same time.
   virtual void clear() = 0;
 

@@ -13,9 +13,28 @@
 
 namespace irt {
 
+/// How secondary rays travel: the thesis' question whether packets or single rays suit them.
+enum class SecondaryRays : std::uint8_t {
+  packed,  ///< in packets of their own, without gaps, one task per light and for mirrored rays
+  thesis,  ///< in the lanes of the rays that led to them; lanes without a ray weigh nothing
+  single,  ///< as `packed`, but traced ray by ray
+};
+
+/// A way by name, as the tools see it.
+struct SecondaryEntry {
+  SecondaryRays how;
+  std::string_view name;
+  std::string_view summary;
+};
+
+/// All ways, the default first.
+std::span<const SecondaryEntry> secondary_ways();
+
 struct ShaderOptions {
   /// Bounces after which a path ends. The thesis calls its ray trees shallow.
   std::uint32_t max_depth = 4;
+  /// How `whitted` sends its secondary rays on. The picture is the same to the bit.
+  SecondaryRays secondary = SecondaryRays::packed;
 };
 
 /// Every ray given to a shader adds exactly one contribution to its pixel, if only a black one.

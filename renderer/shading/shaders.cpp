@@ -30,7 +30,17 @@ constexpr std::array entries{
     entry<PathTracer>("path", "light of any number of reflections; wants many samples per pixel"),
 };
 
+constexpr std::array ways{
+    SecondaryEntry{SecondaryRays::packed, "packed", "re-packed without gaps by kind and light"},
+    SecondaryEntry{SecondaryRays::thesis, "thesis", "in the packets of the rays that led to them"},
+    SecondaryEntry{SecondaryRays::single, "single", "one by one"},
+};
+
 }  // namespace
+
+std::span<const SecondaryEntry> secondary_ways() {
+  return ways;
+}
 
 std::span<const ShaderEntry> shaders() {
   return entries;

@@ -84,6 +84,13 @@ struct Indices {
   HWY_INLINE explicit Indices(std::uint32_t all) {
     for (auto& p : part) p = hn::Set(Tag(), all);
   }
+  HWY_INLINE static Indices load(const std::uint32_t* from) {
+    Indices result;
+    for (int i = 0; i < Layout::parts; ++i) {
+      result.part[i] = hn::Load(Tag(), from + i * Layout::per_part);
+    }
+    return result;
+  }
   HWY_INLINE void store(std::uint32_t* to) const {
     for (int i = 0; i < Layout::parts; ++i) {
       hn::Store(part[i], Tag(), to + i * Layout::per_part);

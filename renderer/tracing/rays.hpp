@@ -2,7 +2,8 @@
 ///
 /// Structure of arrays, so that one layout serves single rays and SIMD packets of any width: packet
 /// `p` of width W is the lanes [p*W, (p+1)*W). Arrays are 64-byte aligned and padded to a multiple
-/// of 16 lanes; lanes past `size` are never read as results.
+/// of 16 lanes and by 16 more, so that 16 may be written behind the last; lanes past `size` are
+/// never read as results.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,7 @@
 
 namespace irt {
 
-/// A fixed-size array on a 64-byte boundary, padded with zeroed lanes to a multiple of 16.
+/// A fixed-size array on a 64-byte boundary, padded with zeroed lanes: at least 16.
 template <class T>
 class LaneArray {
  public:
@@ -32,7 +33,7 @@ class LaneArray {
 
  private:
   static constexpr std::align_val_t alignment{64};
-  static constexpr std::size_t padded(std::size_t lanes) { return (lanes + 15) / 16 * 16; }
+  static constexpr std::size_t padded(std::size_t lanes) { return (lanes + 31) / 16 * 16; }
   struct Delete {
     void operator()(T* data) const { ::operator delete(data, alignment); }
   };
@@ -64,6 +65,7 @@ struct Rays {
 
   std::uint32_t size = 0;
   std::uint32_t capacity;
+  bool singly = false;  ///< to be traced ray by ray, whatever the width of packets
   LaneArray<float> origin_x, origin_y, origin_z;
   LaneArray<float> direction_x, direction_y, direction_z;
   LaneArray<float> t_max;

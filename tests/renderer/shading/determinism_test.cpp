@@ -1,5 +1,6 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 #include <string>
 
 #include "queues/registry.hpp"
@@ -42,6 +43,13 @@ struct Stage {
     return frame.hash();
   }
 };
+
+std::unique_ptr<Accelerator> build_accelerator(std::string_view name, const Mesh& mesh) {
+  for (const AcceleratorEntry& entry : accelerators()) {
+    if (entry.name == name) return entry.build(mesh, {.width = 16});
+  }
+  return nullptr;
+}
 
 TEST(Determinism, TheHashIsTheSameForEveryQueueThreadCountAndPolicy) {
   for (const SceneEntry& entry : built_in_scenes()) {
@@ -121,6 +129,37 @@ TEST(Determinism, SoItIsForEveryShaderWithSeveralSamples) {
       }
     }
   }
+}
+
+TEST(Determinism, SoItIsForEveryWayOfSecondaryRaysAndInstructionSetOfShading) {
+  Scene scene = load_scene("office");
+  scene.mesh.triangles.resize(4000);
+  const std::pair<const char*, std::unique_ptr<Accelerator>> structures[] = {
+      {"wide", build_accelerator("wide", scene.mesh)},
+      {"wald", build_accelerator("wald", scene.mesh)}};
+  std::uint64_t expected = 0;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(target);
+    for (const SecondaryEntry& way : secondary_ways()) {
+      for (const auto& [bvh, structure] : structures) {
+        for (const std::uint32_t rays_per_task : {64u, 100u, 256u}) {
+          SCOPED_TRACE(::testing::Message() << hwy::TargetName(target) << ", " << way.name << ", "
+                                            << bvh << ", " << rays_per_task);
+          FixedPointFrameBuffer frame(50, 40);
+          const auto shader = shaders().front().make(scene, frame, {.secondary = way.how});
+          ImageRendering application(scene.camera, frame, *shader, rays_per_task);
+          make_engine({.threads = 2, .rays_per_task = rays_per_task}, built_in_queues().front(),
+                      *structure)
+              ->run(application);
+          if (expected == 0) expected = frame.hash();
+          EXPECT_EQ(frame.hash(), expected);
+        }
+      }
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
 
 TEST(Determinism, ALostOrDoubledTaskChangesTheHash) {
