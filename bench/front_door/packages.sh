@@ -15,6 +15,7 @@ declare -A package_purpose=(
   [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
   [libboost-context-dev]='fibers: the virtual cores of irt check'
+  [libembree-dev]='Embree, which irt bench tracer compares with'
   [clang]='compiles with a second compiler; fuzzers'
   [libclang-rt-dev]='libFuzzer, for the fuzzers'
   [clang-format]='checks the formatting'
@@ -25,6 +26,8 @@ packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev
   libboost-context-dev)
 packages_test=("${packages_tools[@]}" libgtest-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev)
+# What a target does without where it cannot be installed.
+declare -A optional_packages=([irt-tracer-bench]=libembree-dev)
 packages_format=(clang-format)
 packages_tidy=("${packages_full[@]}" clang-tidy)
 
@@ -94,6 +97,15 @@ ensure_packages() {
     fi
   fi
   step_prefix=''
+}
+
+# try_packages PACKAGES... : as ensure_packages, but goes on without them.
+try_packages() {
+  local package
+  mkdir -p -- "$logs"
+  for package; do
+    (ensure_packages "$package") || say "irt: going on without $package"
+  done
 }
 
 # On another system the user installs; all that can be checked is the tools.

@@ -220,20 +220,21 @@ constexpr std::array ways{
     Way{"embree 16 high", high, true, closest<16>, any<16>},
 };
 
-class Embree final : public Contestant {
+/// One way through a scene of Embree's, behind this project's face.
+class Embree final : public Accelerator {
  public:
   Embree(const Way& way, std::shared_ptr<const EmbreeScene> scene)
       : way_(way), scene_(std::move(scene)) {}
 
-  std::string_view name() const override { return way_.name; }
-  bool is_ours() const override { return false; }
-  bool same_bits() const override { return false; }
-  void closest_hit(const Rays& rays, Hits& hits) const override {
+  void closest_hit(const Rays& rays, Hits& hits, TraceProfile* /*profile*/) const override {
     way_.closest(scene_->handle(), way_.coherent, rays, hits);
   }
-  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded) const override {
+  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
+               TraceProfile* /*profile*/) const override {
     way_.any(scene_->handle(), way_.coherent, rays, occluded);
   }
+  /// Embree does not say; nobody asks.
+  std::size_t memory_bytes() const override { return 0; }
 
  private:
   const Way& way_;
@@ -249,10 +250,24 @@ Contestants embree_contestants(const Mesh& mesh, std::span<const std::string> wa
     for (const Way& way : ways) {
       if (way.quality != quality || !is_wanted(way.name, wanted)) continue;
       if (!scene) scene = std::make_shared<EmbreeScene>(mesh, quality, 1);
-      contestants.push_back(std::make_unique<Embree>(way, scene));
+      contestants.push_back(
+          {std::string(way.name), false, false, std::make_unique<Embree>(way, scene)});
     }
   }
   return contestants;
+}
+
+std::vector<std::string> embree_names() {
+  std::vector<std::string> names;
+  for (const Way& way : ways) names.emplace_back(way.name);
+  return names;
+}
+
+void flush_denormals() {
+#if defined(__x86_64__)
+  constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;  // of MXCSR
+  __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | flush_to_zero | denormals_are_zero);
+#endif
 }
 
 std::vector<TimedBuild> time_embree_builds(const Mesh& mesh, unsigned threads) {

@@ -1,20 +1,41 @@
-/// A whole picture by the simplest code there is, the same for every contestant.
+/// A whole picture through the queue engine, whoever traces its rays.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "bench/tracer/contestant.hpp"
-#include "bench/tracer/measurement.hpp"
-#include "renderer/bvh/executor.hpp"
+#include "renderer/engine/engine.hpp"
+#include "renderer/frame_buffer/fixed_point.hpp"
+#include "renderer/shading/image.hpp"
 
 namespace irt::bench {
 
-/// Makes primary rays, traces and shades them: a shadow ray to every light and a mirrored ray at
-/// every hit; what the mirrored ray meets is lit without shadows. A task is a tile, and tasks are
-/// handed out by one atomic counter. Returns the brightness per pixel; with `times`, a round of how
-/// long the tasks took is added to them.
-std::vector<float> trace_frame(const Scene& scene, std::uint32_t side, const Contestant& contestant,
-                               Executor& executor, TaskTimes* times = nullptr);
+/// Renders frames with one contestant: the rays are made, queued and shaded by the same code for
+/// all of them, and only the accelerator differs.
+class FrameBench {
+ public:
+  /// A square picture of `side` pixels; scene and contestant outlive the bench.
+  FrameBench(const Scene& scene, std::uint32_t side, unsigned threads,
+             const Contestant& contestant);
+
+  /// Renders one frame; returns the milliseconds from its first ray to the finished image.
+  double run();
+
+  const FixedPointFrameBuffer& frame() const { return frame_; }
+  /// Rays of all kinds in the last frame.
+  std::uint64_t rays() const { return rays_; }
+
+ private:
+  FixedPointFrameBuffer frame_;
+  std::unique_ptr<Shader> shader_;
+  ImageRendering application_;
+  std::unique_ptr<Engine> engine_;
+  std::uint64_t rays_ = 0;
+};
+
+/// The pixels whose brightest difference is more than a hundredth of white.
+std::uint32_t differing_pixels(const FrameBuffer& a, const FrameBuffer& b);
 
 }  // namespace irt::bench

@@ -7,14 +7,14 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/tracer/contestant.hpp"
 #include "bench/tracer/frame.hpp"
 #include "bench/tracer/measurement.hpp"
 #include "bench/tracer/scene_rays.hpp"
+#include "queues/nearest.hpp"
+#include "renderer/bvh/executor.hpp"
 #include "renderer/scene/scenes.hpp"
 
 namespace irt::bench {
@@ -31,6 +31,9 @@ struct Options {
 /// The most rays of one kind in which contestants of one side may differ from ours: rays that pass
 /// an edge within rounding. Embree's own packets and single rays differ in about as many.
 constexpr double most_disagreement = 1e-4;
+
+/// The share of a picture's pixels that a few rays otherwise answered may change visibly.
+constexpr double most_differing_pixels = 1e-3;
 
 /// Collects what is measured, prints it, and keeps count of findings.
 class Report {
@@ -62,21 +65,41 @@ class Report {
                                 {"threads", threads},
                                 {"kind", kind},
                                 {"rays", rays},
-                                {"contestant", contestant.name()},
+                                {"contestant", contestant.name},
                                 {"busy_ms", times.busy_ms()},
                                 {"rounds_ms", times.rounds_ms()}});
   }
 
   void disagreement(RayKind kind, const Contestant& contestant, const Disagreement& found) {
-    const std::uint64_t wrong =
-        contestant.same_bits() ? found.bits : found.missed + found.elsewhere;
+    const std::uint64_t wrong = contestant.same_bits ? found.bits : found.missed + found.elsewhere;
     if (wrong == 0) return;
     const bool finding =
-        contestant.same_bits() ||
+        contestant.same_bits ||
         static_cast<double>(wrong) > most_disagreement * static_cast<double>(found.rays);
     fmt::print("  {} {}: {} of {} {} rays answered otherwise{}\n", finding ? "FINDING" : "note",
-               contestant.name(), wrong, found.rays, name_of(kind),
-               contestant.same_bits() ? "; ours must agree to the bit" : " (rays along edges)");
+               contestant.name, wrong, found.rays, name_of(kind),
+               contestant.same_bits ? "; ours must agree to the bit" : " (rays along edges)");
+    findings_ += finding;
+  }
+
+  void frames(const Scene& scene, std::uint32_t side, unsigned threads,
+              const Contestant& contestant, std::uint64_t rays, const std::vector<double>& ms) {
+    json_["results"].push_back({{"scene", scene.name},
+                                {"triangles", scene.mesh.triangles.size()},
+                                {"side", side},
+                                {"threads", threads},
+                                {"kind", "frame"},
+                                {"rays", rays},
+                                {"contestant", contestant.name},
+                                {"rounds_ms", ms}});
+  }
+
+  void pictures_differ(const Contestant& contestant, std::uint32_t differing,
+                       std::uint32_t pixels) {
+    const bool finding =
+        contestant.same_bits || differing > most_differing_pixels * static_cast<double>(pixels);
+    fmt::print("  {} {}: the picture differs in {} of {} pixels\n", finding ? "FINDING" : "note",
+               contestant.name, differing, pixels);
     findings_ += finding;
   }
 
@@ -101,48 +124,82 @@ int rounds(const Options& options, std::uint32_t side) {
 
 /// What one contestant did with one picture.
 struct Row {
-  TaskTimes kind[3], frame;
+  TaskTimes kind[3];
+  std::vector<double> frame_ms;
 };
+
+/// Adds "NAME RATIOx (QUARTILES)" of the best of the others to the best of ours.
+void add_ratio(std::string& line, std::string_view name, const Contestants& contestants,
+               const std::vector<std::vector<double>>& rounds) {
+  std::size_t best[2] = {rounds.size(), rounds.size()};  // of the others, of ours
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    std::size_t& least = best[contestants[i].ours];
+    if (least == rounds.size() || median(rounds[i]) < median(rounds[least])) least = i;
+  }
+  if (best[0] == rounds.size() || best[1] == rounds.size()) return;
+  // Of neighbours in time: what disturbs a round disturbs both.
+  std::vector<double> ratios;
+  for (std::size_t round = 0; round < rounds[best[0]].size(); ++round) {
+    ratios.push_back(rounds[best[0]][round] / rounds[best[1]][round]);
+  }
+  line += fmt::format("  {} {:.2f}x (±{:.0f} %)", name, median(ratios), spread(ratios));
+}
 
 void print_rows(const Contestants& contestants, const std::vector<Row>& rows,
                 const std::uint64_t (&rays)[3], unsigned threads) {
-  fmt::print("  {:<22}{:>13}{:>14}{:>14}{:>19}\n", "Mrays/s (spread %)", "primary", "shadow",
+  fmt::print("  {:<26}{:>13}{:>14}{:>14}{:>19}\n", "Mrays/s (spread %)", "primary", "shadow",
              "specular", "frame ms");
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    fmt::print("  {:<22}", contestants[i]->name());
+    fmt::print("  {:<26}", contestants[i].name);
     for (int kind = 0; kind < 3; ++kind) {
       const TaskTimes& times = rows[i].kind[kind];
       fmt::print("{:>8.1f} ({:>2.0f}) ",
-                 static_cast<double>(rays[kind]) * threads / times.busy_ms() / 1e3, times.spread());
+                 static_cast<double>(rays[kind]) * threads / times.busy_ms() / 1e3,
+                 spread(times.rounds_ms()));
     }
-    fmt::print("{:>11.2f} ({:>2.0f})\n", rows[i].frame.busy_ms() / threads, rows[i].frame.spread());
+    fmt::print("{:>11.2f} ({:>2.0f})\n", median(rows[i].frame_ms), spread(rows[i].frame_ms));
   }
-  const auto best = [&](bool ours, const auto& of) {
-    double least = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (contestants[i]->is_ours() != ours) continue;
-      const double taken = of(rows[i]).busy_ms();
-      if (least == 0 || taken < least) least = taken;
-    }
-    return least;
-  };
   std::string line;
-  const auto add = [&](std::string_view name, const auto& of) {
-    const double ours = best(true, of), theirs = best(false, of);
-    if (ours > 0 && theirs > 0) line += fmt::format("  {} {:.2f}x", name, theirs / ours);
-  };
   for (int kind = 0; kind < 3; ++kind) {
-    add(name_of(static_cast<RayKind>(kind)),
-        [kind](const Row& row) -> const TaskTimes& { return row.kind[kind]; });
+    std::vector<std::vector<double>> rounds;
+    for (const Row& row : rows) rounds.push_back(row.kind[kind].rounds_ms());
+    add_ratio(line, name_of(static_cast<RayKind>(kind)), contestants, rounds);
   }
-  add("frame", [](const Row& row) -> const TaskTimes& { return row.frame; });
-  if (!line.empty()) fmt::print("  best of Embree : best of ours{}\n", line);
+  std::vector<std::vector<double>> frames;
+  for (const Row& row : rows) frames.push_back(row.frame_ms);
+  add_ratio(line, "frame", contestants, frames);
+  if (!line.empty()) fmt::print("  time of the best of Embree : the best of ours{}\n", line);
+}
+
+/// Renders frames with one contestant after the other, round by round.
+void measure_frames(const Scene& scene, std::uint32_t side, unsigned threads,
+                    const Contestants& contestants, int rounds, std::vector<Row>& rows,
+                    Report& report) {
+  std::vector<std::unique_ptr<FrameBench>> benches;
+  for (std::size_t i = 0; i < contestants.size(); ++i) {
+    benches.push_back(std::make_unique<FrameBench>(scene, side, threads, contestants[i]));
+    benches[i]->run();  // allocates
+    const FixedPointFrameBuffer &expected = benches[0]->frame(), &frame = benches[i]->frame();
+    if (contestants[i].same_bits && frame.hash() == expected.hash()) continue;
+    const std::uint32_t differing = differing_pixels(expected, frame);
+    if (contestants[i].same_bits || differing != 0) {
+      report.pictures_differ(contestants[i], differing, side * side);
+    }
+  }
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < contestants.size(); ++i) {
+      rows[i].frame_ms.push_back(benches[i]->run());
+    }
+  }
+  for (std::size_t i = 0; i < contestants.size(); ++i) {
+    report.frames(scene, side, threads, contestants[i], benches[i]->rays(), rows[i].frame_ms);
+  }
 }
 
 void measure_kind(const Scene& scene, std::uint32_t side, unsigned threads, RayKind kind,
                   const Contestants& contestants, const Options& options, Executor& executor,
                   std::vector<Row>& rows, std::uint64_t& rays, Report& report) {
-  const Contestant& guide = *contestants.front();
+  const Contestant& guide = contestants.front();
   const std::vector<Rays> batches = rays_of(scene, side, kind, guide);
   rays = 0;
   std::vector<Answers> reference, answers;
@@ -152,17 +209,17 @@ void measure_kind(const Scene& scene, std::uint32_t side, unsigned threads, RayK
     answers.emplace_back(tile_rays);
   }
   trace_all(guide, kind, batches, reference, executor);
-  for (const auto& contestant : contestants) {
-    trace_all(*contestant, kind, batches, answers, executor);
-    report.disagreement(kind, *contestant, compare(kind, batches, reference, answers));
+  for (const Contestant& contestant : contestants) {
+    trace_all(contestant, kind, batches, answers, executor);
+    report.disagreement(kind, contestant, compare(kind, batches, reference, answers));
   }
   for (int round = 0; round < rounds(options, side); ++round) {
     for (std::size_t i = 0; i < contestants.size(); ++i) {
-      trace_timed(*contestants[i], kind, batches, executor, rows[i].kind[static_cast<int>(kind)]);
+      trace_timed(contestants[i], kind, batches, executor, rows[i].kind[static_cast<int>(kind)]);
     }
   }
   for (std::size_t i = 0; i < contestants.size(); ++i) {
-    report.result(scene, side, threads, name_of(kind), rays, *contestants[i],
+    report.result(scene, side, threads, name_of(kind), rays, contestants[i],
                   rows[i].kind[static_cast<int>(kind)]);
   }
 }
@@ -187,7 +244,9 @@ void measure(const Scene& scene, const Options& options, Report& report) {
   fmt::print("\n{}: {} triangles\n", scene.name, scene.mesh.triangles.size());
   measure_builds(scene, options, report);
   Contestants contestants = our_contestants(scene.mesh, options.contestants);
-  if (contestants.empty()) throw CLI::ValidationError("--contestants", "none of ours is named");
+  if (contestants.empty())
+    throw std::invalid_argument(
+        "--contestants: names none of this project's; one is needed to compare with, as 'wide 16'");
   for (auto& one : embree_contestants(scene.mesh, options.contestants)) {
     contestants.push_back(std::move(one));
   }
@@ -200,18 +259,24 @@ void measure(const Scene& scene, const Options& options, Report& report) {
         measure_kind(scene, side, threads, kind, contestants, options, executor, rows,
                      rays[static_cast<int>(kind)], report);
       }
-      for (int round = 0; round < rounds(options, side); ++round) {
-        for (std::size_t i = 0; i < contestants.size(); ++i) {
-          trace_frame(scene, side, *contestants[i], executor, &rows[i].frame);
-        }
-      }
-      for (std::size_t i = 0; i < contestants.size(); ++i) {
-        report.result(scene, side, threads, "frame", rays[0] + rays[1] + rays[2], *contestants[i],
-                      rows[i].frame);
-      }
+      measure_frames(scene, side, threads, contestants, rounds(options, side), rows, report);
       fmt::print("\n  {0} x {0} pixels, {1} thread{2}\n", side, threads, threads == 1 ? "" : "s");
       print_rows(contestants, rows, rays, threads);
       std::fflush(stdout);
+    }
+  }
+}
+
+/// Throws std::invalid_argument for a name that is nobody's.
+void check_names(const std::vector<std::string>& wanted) {
+  std::vector<std::string> names = our_names();
+  for (std::string& name : embree_names()) names.push_back(std::move(name));
+  std::vector<std::string_view> known(names.begin(), names.end());
+  known.push_back("all");
+  for (const std::string& name : wanted) {
+    const bool usual = std::ranges::count(usual_contestants(), name) != 0;  // Embree may be missing
+    if (!usual && std::ranges::count(known, name) == 0) {
+      throw std::invalid_argument(unknown_name("contestant", name, known));
     }
   }
 }
@@ -221,7 +286,9 @@ int run(int argc, char** argv) {
       "Times this project's structures and Embree on the same rays in one process, in turn.\n"
       "Every hit makes a shadow ray to each light and a mirrored ray: more than a picture needs.\n"
       "Tasks of 256 rays are timed one by one; shown is the sum of each task's median over the\n"
-      "rounds, divided by the threads. A frame makes its rays, traces and shades them.",
+      "rounds, divided by the threads. A frame goes through a work queue, as those of 'irt "
+      "render':\n"
+      "rays are made, queued and shaded by the same code whoever traces them.",
       "irt bench tracer");
   Options options;
   app.add_option("--scene", options.scenes, "scenes by name or file; all built-in ones if none");
@@ -250,10 +317,11 @@ int run(int argc, char** argv) {
   if (options.scenes.empty()) {
     for (const SceneEntry& scene : built_in_scenes()) options.scenes.emplace_back(scene.name);
   }
-  // Embree asks for this in every thread that traces; threads inherit it from the one that starts
-  // them. Ours traces the same either way.
-  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  check_names(options.contestants);
+  if (embree_names().empty()) {
+    fmt::print("without Embree (libembree-dev): this project's structures only\n");
+  }
+  flush_denormals();
 
   Report report(options);
   for (const std::string& name : options.scenes) measure(load_scene(name), options, report);
@@ -266,11 +334,8 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return irt::bench::run(argc, argv);
-  } catch (const irt::SceneError& error) {
+  } catch (const std::exception& error) {  // a scene, a name or a number that cannot be used
     std::fprintf(stderr, "irt bench tracer: %s\n", error.what());
     return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "irt bench tracer: %s\n", error.what());
-    return 1;
   }
 }

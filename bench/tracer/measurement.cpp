@@ -37,13 +37,21 @@ double median(std::vector<double> values) {
          2;
 }
 
+double spread(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double low = values[values.size() / 4],
+               high = values[values.size() - 1 - values.size() / 4];
+  return 50 * (high - low) / median(values);
+}
+
 void trace_all(const Contestant& contestant, RayKind kind, std::span<const Rays> batches,
                std::span<Answers> answers, Executor& executor) {
   executor.for_each(batches.size(), [&](std::size_t i) {
     if (kind == RayKind::shadow) {
-      contestant.any_hit(batches[i], {answers[i].occluded.data(), batches[i].size});
+      contestant.accelerator->any_hit(batches[i], {answers[i].occluded.data(), batches[i].size});
     } else {
-      contestant.closest_hit(batches[i], answers[i].hits);
+      contestant.accelerator->closest_hit(batches[i], answers[i].hits);
     }
   });
 }
@@ -65,9 +73,9 @@ void trace_timed(const Contestant& contestant, RayKind kind, std::span<const Ray
     copy(batch.t_max, batch.size, rays.t_max);
     const std::uint64_t start = ticks_now();
     if (kind == RayKind::shadow) {
-      contestant.any_hit(rays, {answers.occluded.data(), rays.size});
+      contestant.accelerator->any_hit(rays, {answers.occluded.data(), rays.size});
     } else {
-      contestant.closest_hit(rays, answers.hits);
+      contestant.accelerator->closest_hit(rays, answers.hits);
     }
     ticks[i] = ticks_now() - start;
   });
@@ -93,13 +101,6 @@ std::vector<double> TaskTimes::rounds_ms() const {
     sums.push_back(milliseconds(std::accumulate(round.begin(), round.end(), std::uint64_t{0})));
   }
   return sums;
-}
-
-double TaskTimes::spread() const {
-  std::vector<double> sums = rounds_ms();
-  std::sort(sums.begin(), sums.end());
-  const double low = sums[sums.size() / 4], high = sums[sums.size() - 1 - sums.size() / 4];
-  return 50 * (high - low) / median(sums);
 }
 
 Disagreement compare(RayKind kind, std::span<const Rays> batches,

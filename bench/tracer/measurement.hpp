@@ -12,6 +12,8 @@
 namespace irt::bench {
 
 double median(std::vector<double> values);
+/// Half the range of the middle half of `values`, in per cent of their median.
+double spread(std::vector<double> values);
 
 /// How long the tasks of several rounds took.
 ///
@@ -26,8 +28,6 @@ class TaskTimes {
   double busy_ms() const;
   /// The sum of each round, disturbances included.
   std::vector<double> rounds_ms() const;
-  /// By how much rounds differ: half the range of their middle half in per cent of their median.
-  double spread() const;
 
  private:
   std::vector<std::vector<std::uint64_t>> rounds_;

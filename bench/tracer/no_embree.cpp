@@ -11,4 +11,10 @@ std::vector<TimedBuild> time_embree_builds(const Mesh& /*mesh*/, unsigned /*thre
   return {};
 }
 
+std::vector<std::string> embree_names() {
+  return {};
+}
+
+void flush_denormals() {}
+
 }  // namespace irt::bench

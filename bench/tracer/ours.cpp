@@ -9,30 +9,6 @@
 namespace irt::bench {
 namespace {
 
-/// A structure traced one way.
-class Structure final : public Contestant {
- public:
-  Structure(std::string name, bool default_kernel, std::unique_ptr<Accelerator> accelerator)
-      : name_(std::move(name)),
-        default_kernel_(default_kernel),
-        accelerator_(std::move(accelerator)) {}
-
-  std::string_view name() const override { return name_; }
-  bool is_ours() const override { return true; }
-  bool same_bits() const override { return default_kernel_; }
-  void closest_hit(const Rays& rays, Hits& hits) const override {
-    accelerator_->closest_hit(rays, hits);
-  }
-  void any_hit(const Rays& rays, std::span<std::uint8_t> occluded) const override {
-    accelerator_->any_hit(rays, occluded);
-  }
-
- private:
-  std::string name_;
-  bool default_kernel_;
-  std::unique_ptr<Accelerator> accelerator_;
-};
-
 /// As "wide 16" or "wide 16 watertight"; the default kernel is not named.
 std::string name_of(const AcceleratorEntry& entry, unsigned width,
                     const TriangleKernelEntry& kernel) {
@@ -40,6 +16,20 @@ std::string name_of(const AcceleratorEntry& entry, unsigned width,
   name += ' ' + std::to_string(width);
   if (kernel.kernel != triangle_kernels().front().kernel) name += ' ' + std::string(kernel.name);
   return name;
+}
+
+/// Calls `each(name, entry, kernel, width)` for everything there is.
+template <class Each>
+void for_each_way(Each each) {
+  for (const AcceleratorEntry& entry : accelerators()) {
+    if (entry.name == "none") continue;
+    const bool packets = entry.name != "goncalves";
+    for (const TriangleKernelEntry& kernel : triangle_kernels()) {
+      for (const unsigned width : {1u, 4u, 8u, 16u}) {
+        if (width == 1 || packets) each(name_of(entry, width, kernel), entry, kernel.kernel, width);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -59,20 +49,21 @@ std::span<const std::string_view> usual_contestants() {
 
 Contestants our_contestants(const Mesh& mesh, std::span<const std::string> wanted) {
   Contestants contestants;
-  for (const AcceleratorEntry& entry : accelerators()) {
-    if (entry.name == "none") continue;
-    const bool packets = entry.name != "goncalves";
-    for (const TriangleKernelEntry& kernel : triangle_kernels()) {
-      for (const unsigned width : {1u, 4u, 8u, 16u}) {
-        std::string name = name_of(entry, width, kernel);
-        if ((width > 1 && !packets) || !is_wanted(name, wanted)) continue;
-        contestants.push_back(std::make_unique<Structure>(
-            std::move(name), kernel.kernel == triangle_kernels().front().kernel,
-            entry.build(mesh, {.kernel = kernel.kernel, .width = width})));
-      }
-    }
-  }
+  for_each_way([&](const std::string& name, const AcceleratorEntry& entry, TriangleKernel kernel,
+                   unsigned width) {
+    if (!is_wanted(name, wanted)) return;
+    contestants.push_back({name, true, kernel == triangle_kernels().front().kernel,
+                           entry.build(mesh, {.kernel = kernel, .width = width})});
+  });
   return contestants;
+}
+
+std::vector<std::string> our_names() {
+  std::vector<std::string> names;
+  for_each_way([&](const std::string& name, const AcceleratorEntry&, TriangleKernel, unsigned) {
+    names.push_back(name);
+  });
+  return names;
 }
 
 TimedBuild time_our_build(const Mesh& mesh, unsigned threads) {

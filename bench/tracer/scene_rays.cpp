@@ -70,7 +70,7 @@ std::vector<Rays> rays_of(const Scene& scene, std::uint32_t side, RayKind kind,
         batches.push_back(std::move(primary));
         continue;
       }
-      guide.closest_hit(primary, hits);
+      guide.accelerator->closest_hit(primary, hits);
       for (std::size_t i = 0; i < (kind == RayKind::shadow ? scene.lights.size() : 1); ++i) {
         Rays next(tile_rays);
         if (kind == RayKind::shadow) {

@@ -8,7 +8,7 @@ help_names_every_command() {
     irt "$command"
     expect_code 0
     local known
-    for known in compare render list doctor new test lint help; do
+    for known in compare render list doctor bench new test lint help; do
       grep -qE "^  $known " "$work/out" || fail "$command does not name $known"
     done
   done
@@ -24,6 +24,12 @@ unknown_command_names_the_nearest() {
   irt tset
   expect_code 2
   expect_in err "the nearest is 'test'"
+  irt bench tarcer
+  expect_code 2
+  expect_in err "the nearest is 'bench tracer'"
+  irt bench
+  expect_code 2
+  expect_in err "as 'irt bench tracer'"
   irt help dcotor
   expect_code 2
   expect_in err "the nearest is 'doctor'"

@@ -21,11 +21,11 @@ Contestants all_contestants(const Mesh& mesh) {
 TEST(TracerBench, NamesAreKnown) {
   const Scene scene = load_scene("office");
   const Contestants contestants = all_contestants(scene.mesh);
-  const bool has_embree = !contestants.back()->is_ours();
+  const bool has_embree = !contestants.back().ours;
   for (const std::string_view name : usual_contestants()) {
     if (!has_embree && name.starts_with("embree")) continue;
     EXPECT_TRUE(std::any_of(contestants.begin(), contestants.end(), [&](const auto& one) {
-      return one->name() == name;
+      return one.name == name;
     })) << name;
   }
 }
@@ -35,21 +35,21 @@ TEST(TracerBench, EverybodyAnswersAlike) {
   const Contestants contestants = all_contestants(scene.mesh);
   ThreadExecutor executor(2);
   for (const RayKind kind : {RayKind::primary, RayKind::shadow, RayKind::specular}) {
-    const std::vector<Rays> batches = rays_of(scene, 90, kind, *contestants.front());
+    const std::vector<Rays> batches = rays_of(scene, 90, kind, contestants.front());
     std::vector<Answers> reference, answers;
     for (std::size_t i = 0; i < batches.size(); ++i) {
       reference.emplace_back(tile_rays);
       answers.emplace_back(tile_rays);
     }
-    trace_all(*contestants.front(), kind, batches, reference, executor);
-    for (const auto& contestant : contestants) {
-      trace_all(*contestant, kind, batches, answers, executor);
+    trace_all(contestants.front(), kind, batches, reference, executor);
+    for (const Contestant& contestant : contestants) {
+      trace_all(contestant, kind, batches, answers, executor);
       const Disagreement found = compare(kind, batches, reference, answers);
       EXPECT_GE(found.rays, kind == RayKind::shadow ? 4u * 8000 : 8000u);
-      if (contestant->same_bits()) {
-        EXPECT_EQ(found.bits, 0u) << contestant->name();
+      if (contestant.same_bits) {
+        EXPECT_EQ(found.bits, 0u) << contestant.name;
       } else {
-        EXPECT_LE(found.missed + found.elsewhere, 5u) << contestant->name();
+        EXPECT_LE(found.missed + found.elsewhere, 5u) << contestant.name;
       }
     }
   }
@@ -57,17 +57,25 @@ TEST(TracerBench, EverybodyAnswersAlike) {
 
 TEST(TracerBench, FramesAreAlike) {
   const Scene scene = load_scene("office");
-  const Contestants contestants = all_contestants(scene.mesh);
-  ThreadExecutor executor(2);
-  const std::vector<float> first = trace_frame(scene, 50, *contestants.front(), executor);
-  EXPECT_GT(*std::max_element(first.begin(), first.end()), 0.1f);
-  for (const auto& contestant : contestants) {
-    const std::vector<float> image = trace_frame(scene, 50, *contestant, executor);
-    int differing = 0;
-    for (std::size_t i = 0; i < image.size(); ++i)
-      differing += std::abs(image[i] - first[i]) > 1e-3f;
-    EXPECT_LE(differing, contestant->same_bits() ? 0 : 5) << contestant->name();
+  const std::vector<std::string> some{"wide 1", "wide 16", "wald 8", "embree 1", "embree 16"};
+  Contestants contestants = our_contestants(scene.mesh, some);
+  EXPECT_EQ(contestants.size(), 3u);
+  for (auto& one : embree_contestants(scene.mesh, some)) contestants.push_back(std::move(one));
+  FrameBench first(scene, 50, 2, contestants.front());
+  EXPECT_GT(first.run(), 0);
+  EXPECT_GT(first.rays(), 50u * 50 * 2);
+  EXPECT_GT(first.frame().sum(50 * 25 + 25).x, 0.05f);
+  for (const Contestant& contestant : contestants) {
+    FrameBench bench(scene, 50, 2, contestant);
+    bench.run();
+    if (contestant.same_bits) {
+      EXPECT_EQ(bench.frame().hash(), first.frame().hash()) << contestant.name;
+    }
+    EXPECT_LE(differing_pixels(bench.frame(), first.frame()), contestant.same_bits ? 0u : 5u)
+        << contestant.name;
   }
+  FixedPointFrameBuffer black(50, 50);
+  EXPECT_GT(differing_pixels(black, first.frame()), 2000u);
 }
 
 TEST(TracerBench, DisagreementIsCounted) {
