@@ -1,6 +1,7 @@
 #include "renderer/bvh/wide_build.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <memory>
@@ -35,7 +36,7 @@ class Builder {
 
   WideBvh build() {
     if (count_ == 0) return {};
-    Range root{0, count_, 0, 0, 0, {}};
+    Range root{0, count_, 0, 0, 0, {}, {}};
     gather(root);
     Part top;
     add_node(top, root, true);
@@ -75,14 +76,17 @@ class Builder {
   /// Fills the first buffer with every triangle's box and finds the unit of length.
   void gather(Range& root) {
     std::vector<Box> boxes((count_ + chunk - 1) / chunk);
+    std::vector<CenterBounds> centers(boxes.size());
     in_chunks(count_, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
       for (std::uint32_t triangle = begin; triangle < end; ++triangle) {
         const Box box = padded_bounds(triangle_of(mesh_, triangle));
         buffers_[0][triangle] = Reference(box, triangle);
         boxes[i].grow(box);
       }
+      centers[i] = center_bounds(&buffers_[0][begin], end - begin);
     });
     for (const Box& box : boxes) root.box.grow(box);
+    for (const CenterBounds& some : centers) root.centers.add(some);
     const Vec3 far = max(-root.box.lo, root.box.hi);
     const float largest = std::max({far.x, far.y, far.z, std::numeric_limits<float>::min()});
     // A power of two scales without rounding, so areas neither overflow nor vanish.
@@ -98,46 +102,47 @@ class Builder {
 
   Split find(const Range& range, bool together) const {
     const std::uint32_t count = range.count();
-    if (!together || count <= chunk) return find_split(data(range), count, measure_);
+    if (!together || count <= chunk) {
+      return find_split(data(range), count, range.centers, measure_);
+    }
     const std::size_t chunks = (count + chunk - 1) / chunk;
-    std::vector<CenterBounds> centers(chunks);
-    in_chunks(count, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
-      centers[i] = center_bounds(data(range) + begin, end - begin);
-    });
-    for (std::size_t i = 1; i < chunks; ++i) centers[0].add(centers[i]);
-    const Binning binning(centers[0], count);
+    const Binning binning(range.centers, count);
     std::vector<Bins> bins(chunks);
     in_chunks(count, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
       bins[i].fill(data(range) + begin, end - begin, binning);
     });
-    for (std::size_t i = 1; i < chunks; ++i) bins[0].add(bins[i], binning.bins);
-    return bins[0].best(binning, measure_);
+    Bins all = bins[0];
+    for (std::size_t i = 1; i < chunks; ++i) all.add(bins[i], binning.bins);
+    Split split = all.best(binning, measure_);
+    if (split.found()) {
+      for (const Bins& some : bins) split.chunk_lefts.push_back(some.left_of(split));
+    }
+    return split;
   }
 
   /// Moves the range's triangles to the other buffer, first those left of the split. Their order is
   /// kept, so it does not matter how many threads move them.
-  void move(const Range& range, const Split& split, bool together) const {
+  std::array<CenterBounds, 2> move(const Range& range, const Split& split) const {
     const std::uint32_t count = range.count();
-    if (!together || count <= chunk) {
-      partition(data(range), count, split, other(range), other(range) + split.left_count);
-      return;
+    if (split.chunk_lefts.empty()) {
+      return partition(data(range), count, split, other(range), other(range) + split.left_count);
     }
-    const std::size_t chunks = (count + chunk - 1) / chunk;
-    std::vector<std::uint32_t> lefts(chunks + 1);
-    in_chunks(count, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
-      lefts[i + 1] = count_left(data(range) + begin, end - begin, split);
-    });
-    for (std::size_t i = 1; i <= chunks; ++i) lefts[i] += lefts[i - 1];
+    std::vector<std::uint32_t> lefts{0};
+    for (const std::uint32_t some : split.chunk_lefts) lefts.push_back(lefts.back() + some);
+    std::vector<std::array<CenterBounds, 2>> centers(split.chunk_lefts.size());
     in_chunks(count, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
       Reference* const left = other(range) + lefts[i];
       Reference* const right = other(range) + split.left_count + (begin - lefts[i]);
-      partition(data(range) + begin, end - begin, split, left, right);
+      centers[i] = partition(data(range) + begin, end - begin, split, left, right);
     });
+    for (std::size_t i = 1; i < centers.size(); ++i) {
+      for (std::size_t side = 0; side < 2; ++side) centers[0][side].add(centers[i][side]);
+    }
+    return centers[0];
   }
 
   /// Splits `range` in two: by `split`, or in the middle where that has found nothing.
-  void divide(const Range& range, const Split& split, bool together, Range& left,
-              Range& right) const {
+  void divide(const Range& range, const Split& split, Range& left, Range& right) const {
     left = right = range;
     if (!split.found()) {
       const std::uint32_t middle = range.begin + range.count() / 2;
@@ -145,10 +150,13 @@ class Builder {
       for (Range* half : {&left, &right}) {
         half->box = bounds(data(*half), half->count());
         half->area = measure_.half_area(half->box);
+        half->centers = center_bounds(data(*half), half->count());
       }
       return;
     }
-    move(range, split, together);
+    const std::array<CenterBounds, 2> centers = move(range, split);
+    left.centers = centers[0];
+    right.centers = centers[1];
     left.end = right.begin = range.begin + split.left_count;
     left.buffer = right.buffer = 1 - range.buffer;
     left.box = split.left_box;
@@ -177,7 +185,7 @@ class Builder {
       int largest = 0;
       do {
         const Range whole = children[largest];
-        divide(whole, *split, top, children[largest], children[count++]);
+        divide(whole, *split, children[largest], children[count++]);
         largest = -1;
         if (count == wide_fanout) break;
         for (int i = 0; i < count; ++i) {

@@ -8,10 +8,12 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <hwy/highway.h>
 #include <limits>
+#include <vector>
 
 #include "renderer/bvh/wide_bvh.hpp"
 #include "renderer/tracing/intersection.hpp"
@@ -24,47 +26,62 @@ using Four = hn::CappedTag<float, 4>;
 static_assert(hn::MaxLanes(Four()) == 4, "boxes are handled as four floats");
 using FourFloats = hn::Vec<Four>;
 
-/// Lower and negated upper corner, so that one minimum grows both. Fourth lanes are free.
+/// Lower and negated upper corner, so that one minimum grows both. The fourth and the eighth lane
+/// are free.
 struct alignas(32) SignedBox {
-  float lower[4];
-  float minus_upper[4];
-
-  static SignedBox empty() {
-    return {{infinity, infinity, infinity, infinity}, {infinity, infinity, infinity, infinity}};
-  }
+  using Eight = hn::CappedTag<float, 8>;
   static constexpr float infinity = std::numeric_limits<float>::infinity();
 
-  void add(const SignedBox& other) {
-    const Four d;
-    hn::Store(hn::Min(hn::Load(d, lower), hn::Load(d, other.lower)), d, lower);
-    hn::Store(hn::Min(hn::Load(d, minus_upper), hn::Load(d, other.minus_upper)), d, minus_upper);
+  float of[8];
+
+  static SignedBox empty() {
+    SignedBox box;
+    std::fill_n(box.of, 8, infinity);
+    return box;
   }
-  Box box() const {
-    return {{lower[0], lower[1], lower[2]}, {-minus_upper[0], -minus_upper[1], -minus_upper[2]}};
+  HWY_INLINE void add(const SignedBox& other) {
+    const Eight d;
+    for (std::size_t i = 0; i < 8; i += hn::Lanes(d)) {
+      hn::Store(hn::Min(hn::Load(d, of + i), hn::Load(d, other.of + i)), d, of + i);
+    }
   }
+  Box box() const { return {{of[0], of[1], of[2]}, {-of[4], -of[5], -of[6]}}; }
 };
 
 /// A triangle as the builder sees it: its box, and its number in the free lane.
 struct Reference : SignedBox {
   Reference(const Box& box, std::uint32_t triangle)
-      : SignedBox{{box.lo.x, box.lo.y, box.lo.z, std::bit_cast<float>(triangle)},
-                  {-box.hi.x, -box.hi.y, -box.hi.z, 0}} {}
-  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(lower[3]); }
+      : SignedBox{{box.lo.x, box.lo.y, box.lo.z, std::bit_cast<float>(triangle), -box.hi.x,
+                   -box.hi.y, -box.hi.z, 0}} {}
+  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(of[3]); }
 
-  FourFloats center() const {
+  HWY_INLINE FourFloats center() const {
     const Four d;
     const FourFloats half = hn::Set(d, 0.5f);
-    return hn::Sub(hn::Mul(hn::Load(d, lower), half), hn::Mul(hn::Load(d, minus_upper), half));
+    return hn::Sub(hn::Mul(hn::Load(d, of), half), hn::Mul(hn::Load(d, of + 4), half));
   }
 };
 
-/// A stretch of references in one of two buffers, and the box around them.
+/// The box around centres.
+struct CenterBounds {
+  SignedBox box = SignedBox::empty();
+
+  void add(const CenterBounds& other) { box.add(other.box); }
+  HWY_INLINE void set(FourFloats lower, FourFloats upper) {
+    const Four d;
+    hn::Store(lower, d, box.of);
+    hn::Store(hn::Neg(upper), d, box.of + 4);
+  }
+};
+
+/// A stretch of references in one of two buffers, and the boxes around them and their centres.
 struct Range {
   std::uint32_t begin, end;
   std::uint32_t buffer;
   int depth;
   float area;
   Box box;
+  CenterBounds centers;
 
   std::uint32_t count() const { return end - begin; }
 };
@@ -89,12 +106,6 @@ inline Box bounds(const Reference* references, std::uint32_t count) {
   return all.box();
 }
 
-/// The box around centres.
-struct CenterBounds {
-  SignedBox box;
-  void add(const CenterBounds& other) { box.add(other.box); }
-};
-
 inline CenterBounds center_bounds(const Reference* references, std::uint32_t count) {
   const Four d;
   FourFloats lower = hn::Set(d, SignedBox::infinity);
@@ -105,8 +116,7 @@ inline CenterBounds center_bounds(const Reference* references, std::uint32_t cou
     upper = hn::Max(upper, center);
   }
   CenterBounds result;
-  hn::Store(lower, d, result.box.lower);
-  hn::Store(hn::Neg(upper), d, result.box.minus_upper);
+  result.set(lower, upper);
   return result;
 }
 
@@ -149,6 +159,8 @@ struct Split {
   std::uint32_t left_count = 0;
   float left_area = 0, right_area = 0;
   Box left_box, right_box;
+  std::vector<std::uint32_t>
+      chunk_lefts;  ///< per chunk, where the references were binned in chunks
 
   bool found() const { return axis >= 0; }
   HWY_INLINE bool goes_right(const Reference& reference) const {
@@ -172,17 +184,12 @@ struct Bins {
   }
 
   void fill(const Reference* references, std::uint32_t number, const Binning& binning) {
-    const Four d;
     clear(binning.bins);
     for (std::uint32_t i = 0; i < number; ++i) {
       alignas(16) std::int32_t bin[4];
       binning.bins_of(references[i], bin);
-      const FourFloats lower = hn::Load(d, references[i].lower);
-      const FourFloats minus_upper = hn::Load(d, references[i].minus_upper);
       for (int axis = 0; axis < 3; ++axis) {
-        SignedBox& at = box[bin[axis]][axis];
-        hn::Store(hn::Min(hn::Load(d, at.lower), lower), d, at.lower);
-        hn::Store(hn::Min(hn::Load(d, at.minus_upper), minus_upper), d, at.minus_upper);
+        box[bin[axis]][axis].add(references[i]);
         ++count[bin[axis]][axis];
       }
     }
@@ -195,6 +202,13 @@ struct Bins {
         count[bin][axis] += other.count[bin][axis];
       }
     }
+  }
+
+  /// The references left of `split`.
+  std::uint32_t left_of(const Split& split) const {
+    std::uint32_t left = 0;
+    for (int bin = 0; bin < split.plane; ++bin) left += count[bin][split.axis];
+    return left;
   }
 
   /// The plane of least cost: surface times number of blocks on either side.
@@ -244,27 +258,40 @@ struct Bins {
   }
 };
 
-inline Split find_split(const Reference* references, std::uint32_t count, const Measure& measure) {
-  const Binning binning(center_bounds(references, count), count);
+inline Split find_split(const Reference* references, std::uint32_t count,
+                        const CenterBounds& centers, const Measure& measure) {
+  const Binning binning(centers, count);
   Bins bins;
   bins.fill(references, count, binning);
   return bins.best(binning, measure);
 }
 
-inline std::uint32_t count_left(const Reference* references, std::uint32_t count,
-                                const Split& split) {
-  std::uint32_t left = 0;
-  for (std::uint32_t i = 0; i < count; ++i) left += split.goes_right(references[i]) ? 0u : 1u;
-  return left;
-}
-
-/// Copies the references to `left` and `right` by their side, in their order.
-inline void partition(const Reference* references, std::uint32_t count, const Split& split,
-                      Reference* left, Reference* right) {
+/// Copies the references to `left` and `right` by their side, in their order; returns the bounds of
+/// both sides' centres.
+inline std::array<CenterBounds, 2> partition(const Reference* references, std::uint32_t count,
+                                             const Split& split, Reference* left,
+                                             Reference* right) {
+  constexpr float infinity = SignedBox::infinity;
+  // What is added to a centre for the bounds of the side that it is not on. The side is as good as
+  // random, so that no branch may hang on it.
+  static constexpr float away[2][2] = {{0, infinity}, {infinity, 0}};
+  const Four d;
+  FourFloats lower[2] = {hn::Set(d, infinity), hn::Set(d, infinity)};
+  FourFloats upper[2] = {hn::Set(d, -infinity), hn::Set(d, -infinity)};
   Reference* to[2] = {left, right};
   for (std::uint32_t i = 0; i < count; ++i) {
-    *to[split.goes_right(references[i])]++ = references[i];
+    const bool side = split.goes_right(references[i]);
+    *to[side]++ = references[i];
+    const FourFloats center = references[i].center();
+    for (int k = 0; k < 2; ++k) {
+      const FourFloats far = hn::Set(d, away[side][k]);
+      lower[k] = hn::Min(lower[k], hn::Add(center, far));
+      upper[k] = hn::Max(upper[k], hn::Sub(center, far));
+    }
   }
+  std::array<CenterBounds, 2> centers;
+  for (int k = 0; k < 2; ++k) centers[static_cast<std::size_t>(k)].set(lower[k], upper[k]);
+  return centers;
 }
 
 }  // namespace irt::HWY_NAMESPACE
