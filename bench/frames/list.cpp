@@ -26,6 +26,7 @@ int list(const QueueRegistry& queues) {
   section("Frame buffers", "--frame-buffer", frame_buffers());
   section("Terminations", "--termination", terminations());
   section("Shaders", "--shader", shaders());
+  section("Secondary rays", "--secondary, of whitted", secondary_ways());
   section("Task systems", "--task-system", task_systems());
   section("Animations", "--animate, none by default", animations());
   section("Updates", "--update, with an animation", updates());

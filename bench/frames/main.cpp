@@ -60,6 +60,7 @@ class WorkloadArguments {
   void add_picture() {
     choice("--frame-buffer", &WorkloadOptions::frame_buffer, "where contributions meet");
     choice("--shader", &WorkloadOptions::shader, "what light does");
+    choice("--secondary", &WorkloadOptions::secondary, "how whitted's secondary rays travel");
     command_
         .add_option_function<std::string>(
             "--size", [this](const std::string& text) { parse_size(text, options_); },

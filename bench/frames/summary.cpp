@@ -91,6 +91,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"frame_buffer", options.frame_buffer},
       {"termination", options.termination},
       {"shader", options.shader},
+      {"secondary", options.secondary},
       {"animate", or_null(options.animate)},
       {"update", or_null(options.update)},
       {"task_size", options.task_size},

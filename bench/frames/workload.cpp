@@ -99,6 +99,7 @@ void check(WorkloadOptions& options) {
   entry_of(task_systems(), options.task_system, "task system");
   entry_of(terminations(), options.termination, "termination");
   entry_of(shaders(), options.shader, "shader");
+  entry_of(secondary_ways(), options.secondary, "way of secondary rays");
   if (options.scene.empty()) options.scene = built_in_scenes().front().name;
   check_scene(options.scene);
   if (!options.animate.empty()) {
@@ -131,7 +132,10 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   build_s_ = seconds_since(loaded);
   frame_ = entry_of(frame_buffers(), options_.frame_buffer, "frame buffer")
                .make(options_.width, options_.height);
-  shader_ = shader.make(scene_, *frame_, {.max_depth = options_.depth});
+  const ShaderOptions shading{
+      .max_depth = options_.depth,
+      .secondary = entry_of(secondary_ways(), options_.secondary, "way of secondary rays").how};
+  shader_ = shader.make(scene_, *frame_, shading);
   try {
     application_ = std::make_unique<ImageRendering>(scene_.camera, *frame_, *shader_,
                                                     options_.task_size, options_.samples_per_pixel);

@@ -19,7 +19,7 @@ namespace irt {
 /// As given on the command line; the defaults are the thesis' (chapter 4).
 struct WorkloadOptions {
   /// Names; empty: the default.
-  std::string scene, bvh, kernel, frame_buffer, task_system, termination, shader;
+  std::string scene, bvh, kernel, frame_buffer, task_system, termination, shader, secondary;
   unsigned packet_width = 0;                ///< rays per packet; 0: what the structure does best
   std::string isa;                          ///< instruction set; empty: the machine's best
   std::string animate;                      ///< animation; empty: nothing moves
@@ -32,8 +32,8 @@ struct WorkloadOptions {
 };
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, kernel, frame_buffer, task_system,
-                                   termination, shader, packet_width, isa, animate, update,
-                                   task_size, width, height, depth, samples_per_pixel, pin)
+                                   termination, shader, secondary, packet_width, isa, animate,
+                                   update, task_size, width, height, depth, samples_per_pixel, pin)
 
 /// Puts the names of the defaults where nothing was given. Throws UsageError where a name is
 /// unknown or a number is out of range.

@@ -86,6 +86,7 @@ TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--bvh", "goncalvez"}, "goncalves");
   expect_one_line({"render", "--frame-buffer", "fixedpoint"}, "fixed-point");
   expect_one_line({"render", "--shader", "withed"}, "whitted");
+  expect_one_line({"render", "--secondary", "pakced"}, "packed");
   expect_one_line({"render", "--samples-per-pixel", "0"}, "from 1 to");
   expect_one_line({"render", "--samples-per-pixel", "60000"}, "fewer samples");
   expect_one_line({"render", "--termination", "leave-when-emtpy"}, "leave-when-empty");
