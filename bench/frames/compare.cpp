@@ -313,7 +313,7 @@ class Comparison {
          {&WorkloadOptions::frame_buffer, &WorkloadOptions::bvh, &WorkloadOptions::scene}) {
       const bool agreed = std::ranges::all_of(
           plan_.workloads, [&](const WorkloadOptions& one) { return one.*name == first.*name; });
-      if (agreed) text = first.*name + ", " + text;
+      if (agreed) text = fmt::format("{}, {}", first.*name, text);
     }
     return text;
   }

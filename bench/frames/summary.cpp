@@ -187,9 +187,9 @@ struct Column {
 // The choices in which runs differ, and the queue.
 std::vector<Column> choices_of(const Json& runs) {
   std::vector<Column> columns;
-  for (const char* key :
-       {"scene", "bvh", "kernel", "packet_width", "isa", "shader", "samples_per_pixel", "depth",
-        "task_size", "frame_buffer", "task_system", "termination", "animate", "update", "queue"}) {
+  for (const char* key : {"scene", "bvh", "kernel", "packet_width", "isa", "shader", "secondary",
+                          "samples_per_pixel", "depth", "task_size", "frame_buffer", "task_system",
+                          "termination", "animate", "update", "queue"}) {
     std::string title = key == std::string_view("packet_width") ? "packet" : key;
     std::ranges::replace(title, '_', ' ');
     Column column{title, key, title.size()};

@@ -97,7 +97,8 @@ struct Measure {
 };
 
 inline float blocks_of(std::uint32_t count) {
-  return static_cast<float>((count + wide_block - 1) / wide_block);
+  const std::uint32_t blocks = (count + wide_block - 1) / wide_block;
+  return static_cast<float>(blocks);
 }
 
 inline Box bounds(const Reference* references, std::uint32_t count) {

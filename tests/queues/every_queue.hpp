@@ -24,7 +24,8 @@ inline const QueueRegistry& queues_under_test() {
 }
 
 /// How a failure names the queue.
-inline void PrintTo(const QueueEntry& queue, std::ostream* out) {
+inline void PrintTo(const QueueEntry& queue,  // NOLINT(readability-identifier-naming): GoogleTest's
+                    std::ostream* out) {
   *out << queue.name;
 }
 
