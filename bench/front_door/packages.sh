@@ -16,6 +16,9 @@ declare -A package_purpose=(
   [libgtest-dev]='GoogleTest, for the tests'
   [libboost-context-dev]='fibers: the virtual cores of irt check'
   [libembree-dev]='Embree, which irt bench tracer compares with'
+  [libcds-dev]='libcds, whose queue irt check looks at'
+  [libconcurrentqueue-dev]='moodycamel::ConcurrentQueue, likewise'
+  [libatomic-queue-dev]='atomic_queue, likewise'
   [clang]='compiles with a second compiler; fuzzers'
   [libclang-rt-dev]='libFuzzer, for the fuzzers'
   [clang-format]='checks the formatting'
@@ -25,7 +28,8 @@ packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev
   libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev
   libboost-context-dev)
 packages_test=("${packages_tools[@]}" libgtest-dev)
-packages_full=("${packages_test[@]}" clang libclang-rt-dev)
+packages_full=("${packages_test[@]}" clang libclang-rt-dev libcds-dev libconcurrentqueue-dev
+  libatomic-queue-dev)
 # What a target does without where it cannot be installed.
 declare -A optional_packages=([irt-tracer-bench]=libembree-dev)
 packages_format=(clang-format)

@@ -193,7 +193,7 @@ class Execution final : public virtual_cores::Tenant {
   void reach(std::uintptr_t address, bool writes);
   void wait_here(std::uint32_t location, const void* pc);
   void go_elsewhere();
-  Part part_at(std::uintptr_t address, std::uint32_t size, bool needs_value, const void* pc);
+  Part part_at(std::uintptr_t address, std::uint32_t size);
   void widen(std::uintptr_t address, std::uint32_t size);
   void note_write(const Event& event, Value value);
   void check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
@@ -203,7 +203,9 @@ class Execution final : public virtual_cores::Tenant {
   bool is_newest(EventId store) const;
   void note_visit(const void* pc, EventId from);
   std::uint64_t hash_of_core() const;
-  bool on_own_stack(std::uintptr_t address) const;
+  bool on_own_stack(std::uintptr_t address) const {
+    return address - stacks_[cores_.current()] < stack_bytes_;
+  }
   void check_limit(const void* pc);
   void check_news(const void* pc);
   void note_news(EventId from);
@@ -245,6 +247,8 @@ class Execution final : public virtual_cores::Tenant {
   std::unordered_set<const void*> loop_heads_;
   std::vector<std::uint32_t> next_location_;  ///< by location: another one in the same eight bytes
   bool stack_locations_ = false;
+  std::vector<std::uintptr_t> stacks_;  ///< of the cores: lowest addresses
+  std::size_t stack_bytes_;
   std::vector<OrderSite> order_sites_;
   std::unordered_map<const void*, Order> weakened_[2];  ///< of success, of failure
 };

@@ -31,16 +31,15 @@ void* map(std::uintptr_t address, std::size_t bytes) {
 }  // namespace
 
 Heap::Heap(unsigned threads) : regions_(threads) {
-  const std::size_t bytes = threads * region_bytes;
-  base_ = reinterpret_cast<std::uintptr_t>(map(heap_address, bytes));
-  cells_ = static_cast<Cell*>(map(0, bytes / 8 * sizeof(Cell)));
+  bytes_ = threads * region_bytes;
+  base_ = reinterpret_cast<std::uintptr_t>(map(heap_address, bytes_));
+  cells_ = static_cast<Cell*>(map(0, bytes_ / 8 * sizeof(Cell)));
   clear();
 }
 
 Heap::~Heap() {
-  const std::size_t bytes = regions_.size() * region_bytes;
-  munmap(reinterpret_cast<void*>(base_), bytes);
-  munmap(cells_, bytes / 8 * sizeof(Cell));
+  munmap(reinterpret_cast<void*>(base_), bytes_);
+  munmap(cells_, bytes_ / 8 * sizeof(Cell));
 }
 
 void Heap::clear() {
@@ -52,10 +51,6 @@ void Heap::clear() {
     regions_[i].blocks.clear();
     regions_[i].freed.clear();
   }
-}
-
-bool Heap::owns(std::uintptr_t address) const {
-  return address - base_ < regions_.size() * region_bytes;
 }
 
 void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc,
@@ -104,7 +99,7 @@ Block* Heap::find(std::uintptr_t address) {
   return after == numbers.begin() ? nullptr : &block(*std::prev(after));
 }
 
-Cell& Heap::cell(std::uintptr_t address) {
+Cell& Heap::fresh_cell(std::uintptr_t address) {
   const bool mine = owns(address);
   Cell& cell = mine ? cells_[(address - base_) / 8] : other_cells_[address / 8];
   if (cell.generation == generation_) return cell;

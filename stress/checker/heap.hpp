@@ -62,12 +62,18 @@ class Heap {
                  bool reuse);
   void free(Block& block, unsigned thread, const void* pc);
 
-  [[nodiscard]] bool owns(std::uintptr_t address) const;
+  [[nodiscard]] bool owns(std::uintptr_t address) const { return address - base_ < bytes_; }
   /// The block that `address` is in or, if in none, the one before it in the same region; null if
   /// there is none.
   Block* find(std::uintptr_t address);
   /// What is known about the eight bytes at `address` / 8 * 8.
-  Cell& cell(std::uintptr_t address);
+  Cell& cell(std::uintptr_t address) {
+    if (owns(address)) {
+      Cell& known = cells_[(address - base_) / 8];
+      if (known.generation == generation_) return known;
+    }
+    return fresh_cell(address);
+  }
 
   [[nodiscard]] const Touch& touch(std::uint32_t number) const { return touches_[number - 1]; }
   /// Notes a touch. It takes the place of the thread's earlier ones of the kind that it covers.
@@ -83,7 +89,10 @@ class Heap {
     std::vector<std::uint32_t> freed;   ///< in the order in which they were freed
   };
 
+  Cell& fresh_cell(std::uintptr_t address);
+
   std::uintptr_t base_ = 0;
+  std::size_t bytes_ = 0;
   std::vector<Region> regions_;
   std::vector<Block> blocks_;
   Cell* cells_ = nullptr;                                 ///< of the heap, one per eight bytes

@@ -18,10 +18,6 @@ const char* verb(bool writes) {
 
 }  // namespace
 
-bool Execution::on_own_stack(std::uintptr_t address) const {
-  return address - cores_.stack_of(cores_.current()) < cores_.stack_bytes();
-}
-
 void Execution::check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                             const void* pc) {
   constexpr std::uint64_t most = 1'000'000;

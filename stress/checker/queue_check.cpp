@@ -118,7 +118,7 @@ class QueueCheck {
                                       double until) {
     std::vector<std::string> open;
     if (kind == Search::pos || kind == Search::pct || kind == Search::random) {
-      sample(shapes, kind, until);
+      if (!all_.found && !shapes.empty()) sample(shapes, kind, until);
       return open;
     }
     for (std::size_t i = 0; i < shapes.size() && !all_.found; ++i) {

@@ -137,9 +137,6 @@ void Cores::switch_to(unsigned core) {
 unsigned Cores::count() const {
   return static_cast<unsigned>(state_->fibers.size());
 }
-unsigned Cores::current() const {
-  return current_core;
-}
 std::size_t Cores::stack_bytes() const {
   return state_->stack_bytes;
 }

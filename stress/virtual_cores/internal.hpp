@@ -10,8 +10,6 @@ namespace irt::virtual_cores {
 
 /// Who is asked: the tenant while cores run, the defaults otherwise (constructors of globals).
 extern Tenant* active;
-/// The core in progress, or `host`.
-extern unsigned current_core;
 
 /// Says that the next atomic operation is the runtime's own (hooks.cpp).
 void forget_registers();

@@ -36,8 +36,14 @@ Value apply(Operation operation, Value old_value, Value operand, std::size_t siz
 }
 
 Value read_memory(std::uintptr_t address, std::size_t size) {
+  const auto* memory = reinterpret_cast<const void*>(address);
+  if (size == 8) {  // nearly always; a copy of known size needs no call
+    std::uint64_t word = 0;
+    std::memcpy(&word, memory, 8);
+    return word;
+  }
   Value value = 0;
-  std::memcpy(&value, reinterpret_cast<const void*>(address), size);
+  std::memcpy(&value, memory, size);
   return value;
 }
 

@@ -63,6 +63,9 @@ struct Access {
 /// A fiber may be asked to go on with this instead of another core: back to the caller of `run`.
 inline constexpr unsigned host = ~0U;
 
+/// The core in progress, or `host`. Only Cores changes it.
+extern unsigned current_core;
+
 /// What a futex wait ended with.
 enum class Wake : std::uint8_t { woken, value_differs, timed_out };
 
@@ -155,7 +158,7 @@ class Cores {
 
   unsigned count() const;
   /// The core in progress, or `host`.
-  unsigned current() const;
+  unsigned current() const { return current_core; }
   /// The stack of `core`: lowest address and size in bytes.
   std::uintptr_t stack_of(unsigned core) const;
   std::size_t stack_bytes() const;

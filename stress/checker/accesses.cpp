@@ -1,0 +1,443 @@
+// What the code does to atomic objects, locks and futexes, put into the graph.
+
+#include <algorithm>
+
+#include "stress/checker/execution.hpp"
+
+namespace irt::checker {
+
+using virtual_cores::Access;
+using virtual_cores::Operation;
+using virtual_cores::Wake;
+
+namespace {
+
+// Where a futex keeps its sleepers: an address that no program has.
+std::uintptr_t sleepers_of(std::uintptr_t address) {
+  return address | (std::uintptr_t{1} << 63U);
+}
+
+// What S and W of a shape write and read.
+constexpr std::uintptr_t signal_address = (std::uintptr_t{1} << 63U) | 64U;
+
+Value mask_of(std::uint32_t size) {
+  return size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
+}
+
+// A futex's sleepers: thread numbers plus one, a byte each, the oldest lowest.
+Value with_sleeper(Value sleepers, unsigned thread) {
+  unsigned at = 0;
+  while ((sleepers >> (8 * at) & 0xFF) != 0) ++at;
+  return sleepers | Value{thread + 1} << (8 * at);
+}
+bool is_sleeper(Value sleepers, unsigned thread) {
+  for (; sleepers != 0; sleepers >>= 8)
+    if ((sleepers & 0xFF) == thread + 1) return true;
+  return false;
+}
+Value without_oldest(Value sleepers, unsigned count) {
+  return count >= sizeof(Value) ? 0 : sleepers >> (8 * count);
+}
+// Without `thread`; if a wake-up has already taken it out, that goes to the next one.
+Value without_sleeper(Value sleepers, unsigned thread) {
+  if (!is_sleeper(sleepers, thread)) return without_oldest(sleepers, 1);
+  Value result = 0;
+  for (unsigned at = 0; sleepers != 0; sleepers >>= 8)
+    if ((sleepers & 0xFF) != thread + 1) result |= (sleepers & 0xFF) << (8 * at++);
+  return result;
+}
+unsigned sleeper_count(Value sleepers) {
+  unsigned count = 0;
+  for (; sleepers != 0; sleepers >>= 8) ++count;
+  return count;
+}
+
+}  // namespace
+
+void Execution::record(const Event& event, std::size_t choice) {
+  if (phase_ != Phase::parallel) return;
+  steps_.push_back(
+      {event.thread, static_cast<std::uint8_t>(event.kind), static_cast<std::uint16_t>(choice)});
+  strategy_->added(*this, event);
+}
+
+void Execution::widen(std::uintptr_t address, std::uint32_t size) {
+  // An access that crosses eight bytes, or is wider, takes the whole sixteen.
+  const std::uintptr_t unit = address & ~std::uintptr_t{15};
+  const bool eight = (address & 7U) + size <= 8 && widened_.count(unit) == 0;
+  widened_[unit] = eight ? 8 : 16;
+  stop(Outcome::restart);
+}
+
+Execution::Part Execution::part_at(std::uintptr_t address, std::uint32_t size) {
+  std::uintptr_t base = address;
+  std::uint32_t whole = size;
+  if (!widened_.empty()) {
+    const auto wide = widened_.find(address & ~std::uintptr_t{15});
+    if (wide != widened_.end()) {
+      whole = std::max(size, wide->second);
+      base = address & ~std::uintptr_t{whole - 1};
+      if (address + size > base + whole) widen(address, 16);
+    }
+  }
+  Part part{0, static_cast<unsigned>(8 * (address - base)), mask_of(size)};
+  Cell& cell = heap_.cell(base);
+  const auto covers = [&](std::uint32_t id) {
+    const Location& l = graph_.location(id);
+    return l.address < base + whole && base < l.address + l.size;
+  };
+  for (std::uint32_t link = cell.location; link != 0; link = next_location_[link - 1]) {
+    if (!covers(link - 1)) continue;
+    const Location& found = graph_.location(link - 1);
+    if (found.address != base || found.size != whole)
+      widen(std::min(found.address, base), std::max(found.size, whole));
+    part.location = link - 1;
+    const auto bytes = static_cast<std::uint8_t>(((1U << std::min(whole, 8U)) - 1) << (base & 7U));
+    if ((cell.replaced & bytes) != 0) {
+      cell.replaced = static_cast<std::uint8_t>(cell.replaced & ~bytes);
+      graph_.reset_location(part.location, virtual_cores::read_memory(base, whole));
+    }
+    return part;
+  }
+  if (whole == 16 && heap_.cell(base + 8).location != 0) widen(address, 16);
+  const Value initial = base >> 63U != 0 ? 0 : virtual_cores::read_memory(base, whole);
+  part.location = graph_.add_location(base, whole, initial);
+  next_location_.resize(part.location);
+  next_location_.push_back(cell.location);
+  cell.location = part.location + 1;
+  if (whole == 16) heap_.cell(base + 8).location = part.location + 1;
+  if (on_own_stack(address)) stack_locations_ = true;
+  return part;
+}
+
+void Execution::note_write(const Event& event, Value before) {
+  ++stores_;
+  const Location& location = graph_.location(event.location);
+  if (event.written != before) ++me().effects;
+  if (location.stores.back() == graph_.id_of(event) && location.address >> 63U == 0)
+    virtual_cores::write_memory(location.address, location.size, event.written);
+}
+
+template <class Decide, class NewValue>
+Value Execution::read_event(const Request& request, bool may_write, Decide decide,
+                            NewValue new_value) {
+  const unsigned thread = cores_.current();
+  const bool real = request.address >> 63U == 0;
+  for (;;) {
+    check_limit(request.pc);
+    check_news(request.pc);
+    if (real) check_touch(request.address, request.size, may_write, true, request.pc);
+    const Part part = part_at(request.address, request.size);
+    const std::uint32_t id = part.location;
+    const auto value_at = [&](std::size_t place) {
+      return graph_.event(graph_.location(id).stores[place]).written >> part.shift & part.mask;
+    };
+    const std::size_t newest = graph_.location(id).stores.size() - 1;
+    Event& event = graph_.begin(EventKind::load, thread, request.success, request.pc);
+    const auto prepare = [&](Meaning meaning) {
+      event.kind = meaning == Meaning::modify ? EventKind::modify : EventKind::load;
+      event.order = meaning == Meaning::modify ? request.success
+                    : meaning == Meaning::load ? request.failure
+                                               : Order::relaxed;
+      event.blocked = meaning == Meaning::wait;
+    };
+    std::size_t place = newest;
+    if (phase_ == Phase::parallel) {
+      if (const auto planned = strategy_->planned_place(*this, event, id)) {
+        place = *planned;
+      } else {
+        options_.clear();
+        const bool fresh = me().fresh_reads != 0;
+        if (fresh) --me().fresh_reads;
+        std::size_t lowest = fresh ? newest : graph_.lowest_readable(thread, id);
+        const auto before = std::find_if(me().visits.begin(), me().visits.end(),
+                                         [&](const Visit& v) { return v.pc == request.pc; });
+        if (before != me().visits.end() && before->count >= limits_.same_reads &&
+            graph_.event(before->from).location == id && !is_newest(before->from))
+          lowest = std::max(lowest, graph_.place_of(before->from) + 1);
+        const bool verified = strategy_->wants_verified();
+        for (std::size_t p = newest + 1; p-- > lowest;) {
+          const Meaning meaning = decide(value_at(p));
+          if (meaning == Meaning::wait && p != newest) continue;
+          const bool modifies = meaning == Meaning::modify;
+          const bool taken = modifies && !graph_.free_to_modify(graph_.location(id), p);
+          prepare(meaning);
+          if (!taken && verified && p != newest && !graph_.allows_read(event, id, p, modifies))
+            continue;
+          options_.push_back({p, modifies, meaning == Meaning::wait, taken});
+        }
+        if (strategy_->resumes_waiting()) {
+          std::erase_if(options_, [](const ReadOption& o) { return o.taken; });
+          if (options_.size() > 1)
+            std::erase_if(options_, [](const ReadOption& o) { return o.waits; });
+        }
+        for (;;) {
+          const std::size_t chosen = strategy_->choose_read(*this, event, id, options_);
+          place = options_[chosen].place;
+          prepare(decide(value_at(place)));
+          if (verified || place == newest ||
+              graph_.allows_read(event, id, place, options_[chosen].modifies))
+            break;
+          options_.erase(options_.begin() + static_cast<std::ptrdiff_t>(chosen));
+        }
+      }
+    }
+    const Value value = value_at(place);
+    const Meaning meaning = decide(value);
+    prepare(meaning);
+    if (meaning == Meaning::wait) {
+      if (phase_ == Phase::parallel && !strategy_->resumes_waiting()) {
+        graph_.finish_load(event, id, place);
+        record(event, newest - place);
+      }
+      wait_here(id + 1, request.pc);
+      continue;
+    }
+    const Value whole = graph_.event(graph_.location(id).stores[place]).written;
+    if (meaning == Meaning::modify) {
+      const Value written = (whole & ~(part.mask << part.shift)) | (new_value(value) & part.mask)
+                                                                       << part.shift;
+      graph_.finish_modify(event, id, place, written);
+      note_write(event, whole);
+    } else {
+      graph_.finish_load(event, id, place);
+    }
+    const EventId from = event.from;
+    record(event, newest - place);
+    note_visit(request.pc, from);
+    note_news(from);
+    return value;
+  }
+}
+
+Order Execution::order_at(const void* pc, bool failure, EventKind kind, Order order) {
+  if (!watches_orders_) return order;
+  auto [place, fresh] = weakened_[failure ? 1 : 0].try_emplace(pc, order);
+  if (fresh) order_sites_.push_back({pc, failure, kind, order});
+  return place->second;
+}
+
+void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) {
+  watches_orders_ = watches_orders_ || !changes.empty();
+  for (const auto& [site, order] : changes) weakened_[site.failure ? 1 : 0][site.pc] = order;
+}
+
+// Outside of the threads' time everything happens before or after everything else, so that a read
+// finds what memory holds and nothing needs an event.
+void Execution::step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc) {
+  if (observed()) check_touch(address, size, writes, true, pc);
+}
+
+Value Execution::load(const Access& access) {
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, false, access.pc);
+    return Tenant::load(access);
+  }
+  check_loop(access.pc);
+  reach(access.address, false);
+  const Order order = order_at(access.pc, false, EventKind::load, access.order);
+  return read_event(
+      {access.address, access.size, access.pc, order, order}, false,
+      [](Value) { return Meaning::load; }, [](Value value) { return value; });
+}
+
+Value Execution::modify(const Access& access, Operation operation, Value operand) {
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, true, access.pc);
+    return Tenant::modify(access, operation, operand);
+  }
+  check_loop(access.pc);
+  reach(access.address, true);
+  const Order order = order_at(access.pc, false, EventKind::modify, access.order);
+  return read_event(
+      {access.address, access.size, access.pc, order, order}, true,
+      [](Value) { return Meaning::modify; },
+      [&](Value value) { return virtual_cores::apply(operation, value, operand, access.size); });
+}
+
+bool Execution::compare_exchange(const Access& access, Order failure, bool weak, Value& expected,
+                                 Value desired) {
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, true, access.pc);
+    return Tenant::compare_exchange(access, failure, weak, expected, desired);
+  }
+  check_loop(access.pc);
+  reach(access.address, true);
+  const bool fails = weak && limits_.weak_may_fail && other_choice(2, access.pc) != 0;
+  const Value wanted = expected;
+  expected = read_event(
+      {access.address, access.size, access.pc,
+       order_at(access.pc, false, EventKind::modify, access.order),
+       order_at(access.pc, true, EventKind::modify, failure)},
+      !fails,
+      [&](Value value) { return value == wanted && !fails ? Meaning::modify : Meaning::load; },
+      [&](Value) { return desired; });
+  return expected == wanted && !fails;
+}
+
+void Execution::store(const Access& access, Value value) {
+  if (phase_ != Phase::parallel) {
+    step_alone(access.address, access.size, true, access.pc);
+    return Tenant::store(access, value);
+  }
+  reach(access.address, true);
+  check_touch(access.address, access.size, true, true, access.pc);
+  check_limit(access.pc);
+  const Part part = part_at(access.address, access.size);
+  const std::uint32_t id = part.location;
+  const unsigned thread = cores_.current();
+  if (graph_.location(id).size != access.size) {
+    // A part of a wider location is put in place as if by a modification of the whole.
+    read_event(
+        {access.address, access.size, access.pc, access.order, access.order}, true,
+        [](Value) { return Meaning::modify; }, [value](Value) { return value; });
+    return;
+  }
+  Event& event =
+      graph_.begin(EventKind::store, thread,
+                   order_at(access.pc, false, EventKind::store, access.order), access.pc);
+  const std::size_t last = graph_.location(id).stores.size();
+  std::size_t place = last;
+  if (phase_ == Phase::parallel) {
+    if (const auto planned = strategy_->planned_place(*this, event, id)) {
+      place = *planned;
+    } else {
+      places_.clear();
+      const std::size_t lowest =
+          strategy_->places_stores() ? graph_.lowest_readable(thread, id) + 1 : last;
+      for (std::size_t p = last + 1; p-- > lowest;)
+        if (graph_.free_to_place(graph_.location(id), p) &&
+            (p == last || graph_.allows_place(event, id, p)))
+          places_.push_back(p);
+      place = places_[strategy_->choose_place(*this, event, id, places_)];
+    }
+  }
+  graph_.finish_store(event, id, place, value);
+  ++me().effects;
+  note_write(event, value);
+  record(event, last - place);
+}
+
+void Execution::fence(Order order, const void* pc) {
+  if (phase_ != Phase::parallel) return;
+  reach(0, false);
+  check_limit(pc);
+  Event& event = graph_.begin(EventKind::fence, cores_.current(),
+                              order_at(pc, false, EventKind::fence, order), pc);
+  graph_.finish_fence(event);
+  record(event, 0);
+}
+
+unsigned Execution::other_choice(unsigned count, const void* pc) {
+  if (phase_ != Phase::parallel) return 0;
+  Event& event = graph_.begin(EventKind::choice, cores_.current(), Order::relaxed, pc);
+  const unsigned option = strategy_->choose_other(*this, event, count);
+  graph_.finish_choice(event, option);
+  record(event, option);
+  return option;
+}
+
+// --- Waiting --------------------------------------------------------------------------------
+
+void Execution::lock(std::uintptr_t address, const void* pc) {
+  if (!observed()) return Tenant::lock(address, pc);
+  if (alone()) {
+    if (!try_lock(address, pc))
+      report(FindingKind::deadlock, "the only thread waits at {0} for a lock that nobody releases",
+             {pc});
+    return;
+  }
+  reach(address, true);
+  read_event(
+      {address, 4, pc, Order::acquire, Order::relaxed}, true,
+      [](Value value) { return value == 0 ? Meaning::modify : Meaning::wait; },
+      [](Value) { return Value{1}; });
+}
+
+bool Execution::try_lock(std::uintptr_t address, const void* pc) {
+  Value expected = 0;
+  return compare_exchange({address, 4, Order::acquire, pc}, Order::relaxed, false, expected, 1);
+}
+
+void Execution::unlock(std::uintptr_t address, const void* pc) {
+  store({address, 4, Order::release, pc}, 0);
+}
+
+Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
+                     const void* pc) {
+  if (phase_ != Phase::parallel) {
+    if (load({address, 4, Order::acquire, pc}) != expected) return Wake::value_differs;
+    if (nanoseconds >= 0) return Wake::timed_out;
+    report(FindingKind::deadlock, "the only thread sleeps at {0} and nobody is left to wake it",
+           {pc});
+  }
+  const unsigned thread = cores_.current();
+  const std::uintptr_t sleepers = sleepers_of(address);
+  const Request request{sleepers, 16, pc, Order::acq_rel, Order::acquire};
+  const auto leave = [&] {
+    reach(sleepers, true);
+    const Value before = read_event(
+        request, true, [](Value) { return Meaning::modify; },
+        [thread](Value value) { return without_sleeper(value, thread); });
+    return is_sleeper(before, thread);
+  };
+  reach(sleepers, true);
+  read_event(
+      request, true, [](Value) { return Meaning::modify; },
+      [thread](Value value) { return with_sleeper(value, thread); });
+  reach(address, false);
+  const Value seen = read_event(
+      {address, 4, pc, Order::acquire, Order::acquire}, false, [](Value) { return Meaning::load; },
+      [](Value v) { return v; });
+  if (seen != expected) {
+    leave();
+    return Wake::value_differs;
+  }
+  const bool timed = nanoseconds >= 0;
+  if ((timed || limits_.spurious_wakeups) && other_choice(2, pc) != 0) {
+    leave();
+    return timed ? Wake::timed_out : Wake::woken;
+  }
+  me().timed = timed;
+  me().wait_sleeps = true;
+  reach(sleepers, false);
+  read_event(
+      request, false,
+      [thread](Value value) { return is_sleeper(value, thread) ? Meaning::wait : Meaning::load; },
+      [](Value value) { return value; });
+  me().timed = me().wait_sleeps = false;
+  return Wake::woken;
+}
+
+unsigned Execution::wake(std::uintptr_t address, unsigned count, const void* pc) {
+  if (phase_ != Phase::parallel) return 0;
+  const std::uintptr_t sleepers = sleepers_of(address);
+  fence(Order::seq_cst, pc);
+  reach(sleepers, true);
+  const Value before = read_event(
+      {sleepers, 16, pc, Order::acq_rel, Order::acquire}, true,
+      [](Value) { return Meaning::modify; },
+      [count](Value value) { return without_oldest(value, count); });
+  return std::min(count, sleeper_count(before));
+}
+
+void Execution::signal() {
+  reach(signal_address, true);
+  read_event(
+      {signal_address, 4, nullptr, Order::release, Order::relaxed}, true,
+      [](Value) { return Meaning::modify; }, [](Value) { return Value{1}; });
+}
+
+void Execution::await_signal() {
+  reach(signal_address, false);
+  read_event(
+      {signal_address, 4, nullptr, Order::acquire, Order::acquire}, false,
+      [](Value value) { return value == 0 ? Meaning::wait : Meaning::load; },
+      [](Value value) { return value; });
+}
+
+std::int64_t Execution::now() {
+  return observed() ? ++me().clock_reads * 1000 : 0;
+}
+
+}  // namespace irt::checker

@@ -1,0 +1,128 @@
+// Loops that wait: known by their state, or taken for such after many rounds.
+
+#include <algorithm>
+
+#include "stress/checker/execution.hpp"
+
+namespace irt::checker {
+
+// A loop that comes back to a load with the same registers and the same stack, having written
+// nothing and read the same stores, will do so forever, until somebody writes. That is known for
+// sure. A loop that carries a counter is only assumed to wait, after many rounds.
+
+std::uint64_t Execution::hash_of_core() const {
+  const virtual_cores::Registers& r = virtual_cores::registers();
+  if (r.stack_pointer == 0) return steps_.size();  // not known: like no other
+  std::uint64_t hash = 0x9E3779B97F4A7C15;
+  const auto mix = [&hash](std::uint64_t word) {
+    hash = (hash ^ word) * 0xFF51AFD7ED558CCD;
+    hash ^= hash >> 32U;
+  };
+  for (const std::uint64_t word : {r.rbx, r.rbp, r.r12, r.r13, r.r14, r.r15, r.stack_pointer})
+    mix(word);
+  const std::uintptr_t end = stacks_[cores_.current()] + stack_bytes_;
+  for (std::uintptr_t at = r.stack_pointer; at < end; at += 8)
+    mix(*reinterpret_cast<const std::uint64_t*>(at));  // NOLINT(performance-no-int-to-ptr)
+  return hash;
+}
+
+void Execution::check_loop(const void* pc) {
+  if (phase_ != Phase::parallel) return;
+  ThreadState& state = me();
+  // Now, for other cores may run before the load is made and leave their registers.
+  if (loop_heads_.contains(pc)) state.entry_hash = hash_of_core();
+  const auto visit = std::find_if(state.visits.begin(), state.visits.end(),
+                                  [pc](const Visit& v) { return v.pc == pc; });
+  if (visit == state.visits.end() || strategy_->expects_more(cores_.current())) return;
+  const bool repeats = visit->effects == state.effects;
+  bool certain = false;
+  if (repeats) {
+    if (!loop_heads_.contains(pc) && visit->count >= 2) {
+      // From now on the first visit is hashed too, which shortens every later execution.
+      loop_heads_.insert(pc);
+      stop(Outcome::restart);
+    }
+    certain = visit->hashed && loop_heads_.contains(pc) && visit->hash == state.entry_hash;
+  }
+  // A loop that writes may do so for a purpose, and is given more time.
+  const std::uint32_t patience = (repeats ? 1 : 4) * limits_.same_reads + visit->wait_at;
+  if (!certain && visit->count < patience) return;
+  if (strategy_->resumes_waiting()) {
+    const bool stale = std::any_of(state.visits.begin(), state.visits.end(), [&](const Visit& v) {
+      return v.effects == state.effects && !is_newest(v.from);
+    });
+    if (stale && !visit->refreshed) {
+      visit->refreshed = true;
+      state.fresh_reads = static_cast<std::uint32_t>(state.visits.size());
+      return;
+    }
+  }
+  if (!certain) {
+    state.assumed = true;
+    ++assumed_waits_;
+    visit->wait_at = visit->count;
+  }
+  wait_here(0, pc);
+}
+
+// A modification that puts back what was there, as of a lock that is tried again and again, is no
+// news: the store that is meant is the one before.
+EventId Execution::source_of(EventId store) const {
+  const Event* event = &graph_.event(store);
+  while (event->reads && event->read == event->written) {
+    store = event->from;
+    event = &graph_.event(store);
+  }
+  return store;
+}
+
+bool Execution::is_newest(EventId store) const {
+  return source_of(graph_.location(graph_.event(store).location).stores.back()) == store;
+}
+
+void Execution::note_visit(const void* pc, EventId from) {
+  if (phase_ != Phase::parallel) return;
+  from = source_of(from);
+  ThreadState& state = me();
+  auto visit = std::find_if(state.visits.begin(), state.visits.end(),
+                            [pc](const Visit& v) { return v.pc == pc; });
+  if (visit == state.visits.end()) {
+    state.visits.push_back({.pc = pc});
+    visit = state.visits.end() - 1;
+  }
+  if (visit->from != from) {
+    visit->count = visit->wait_at = 0;
+    visit->refreshed = false;
+  }
+  visit->hashed = loop_heads_.contains(pc);
+  visit->hash = state.entry_hash;
+  visit->from = from;
+  visit->effects = state.effects;
+  ++visit->count;
+}
+
+// A loop that tries a lock again and again writes all the time, so that only its lack of news tells
+// it from work.
+void Execution::check_news(const void* pc) {
+  ThreadState& state = me();
+  const std::size_t events = graph_.thread(cores_.current()).events.size();
+  if (events < state.news_since + limits_.events_without_news ||
+      strategy_->expects_more(cores_.current()))
+    return;
+  state.news_since = events;
+  state.assumed = true;
+  ++assumed_waits_;
+  wait_here(0, pc);
+}
+
+void Execution::note_news(EventId from) {
+  ThreadState& state = me();
+  const Event& store = graph_.event(from);
+  if (store.kind == EventKind::initial || store.thread == cores_.current() ||
+      from <= state.newest_read)
+    return;
+  state.newest_read = from;
+  state.news_since = graph_.thread(cores_.current()).events.size();
+}
+
+}  // namespace irt::checker

@@ -1,0 +1,43 @@
+// Libraries' queues as they come out of their packages; those that are not installed are skipped.
+
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <string>
+
+#include "stress/checker/queue_client.hpp"
+
+namespace irt::checker {
+namespace {
+
+/// The finding on one shape; no kind if there is none.
+std::string finding(const std::string& name, const std::string& shape) {
+  virtual_cores::Module module(IRT_CHECKED_QUEUES "/irt_checked_" + name + ".so");
+  const QueueEntry& entry = *module.function<const QueueEntry*()>("irt_queue_entry")();
+  QueueClient client(entry, parse_shape(shape), 0, &module);
+  const Result result = check(client.scenario(), {.seconds = 20});
+  EXPECT_TRUE(result.finished || result.finding) << name << " on " << shape;
+  return result.finding ? std::string(name_of(result.finding->kind)) : "";
+}
+
+bool installed(const std::string& name) {
+  return std::filesystem::exists(IRT_CHECKED_QUEUES "/irt_checked_" + name + ".so");
+}
+
+TEST(Packages, libcds_moves_its_head_with_too_weak_an_order) {
+  if (!installed("libcds-queue")) GTEST_SKIP() << "libcds-dev is not installed";
+  // https://github.com/khizmax/libcds/issues/186: the second of two pops in a row reads a node that
+  // nothing makes visible to it.
+  EXPECT_EQ(finding("libcds-queue", "E|D|D"), "data race");
+  EXPECT_EQ(finding("libcds-queue", "ED|ED"), "wrong outcome");
+}
+
+TEST(Packages, others_keep_their_promises) {
+  for (const char* name : {"moodycamel-queue", "atomic-queue"}) {
+    if (!installed(name)) continue;
+    for (const char* shape : {"E|E|D", "E|D|D", "EE:DE|D"})
+      EXPECT_EQ(finding(name, shape), "") << name << " on " << shape;
+  }
+}
+
+}  // namespace
+}  // namespace irt::checker
