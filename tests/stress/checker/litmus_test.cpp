@@ -48,11 +48,12 @@ class Litmus : public testing::Test {
   }
 
   std::map<std::string, const irt::litmus::Program*> programs() const {
-    unsigned count = 0;
-    const auto* first =
-        module_.function<const irt::litmus::Program*(unsigned*)>("irt_litmus_programs")(&count);
+    const auto programs_of =
+        module_.function<const irt::litmus::Program*(unsigned, unsigned*)>("irt_litmus_programs");
     std::map<std::string, const irt::litmus::Program*> result;
-    for (unsigned i = 0; i < count; ++i) result[first[i].name] = &first[i];
+    unsigned count = 0;
+    for (unsigned part = 0; const auto* first = programs_of(part, &count); ++part)
+      for (unsigned i = 0; i < count; ++i) result[first[i].name] = &first[i];
     return result;
   }
 
