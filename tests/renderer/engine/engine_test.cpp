@@ -103,17 +103,6 @@ TEST_F(EngineTest, ADoubledTaskIsReportedAndTracedTwice) {
   }
 }
 
-TEST_F(EngineTest, WhatTheApplicationThrowsArrivesAndTheEngineGoesOn) {
-  auto engine = make_engine(options(3, Termination::outstanding_count), plain, accelerator);
-  TreeCount application(60, 5);
-  application.throw_at = 100;
-  EXPECT_THROW(engine->run(application), std::runtime_error);
-  EXPECT_EQ(engine->tasks_in_use(), 0u);
-  application.throw_at = 0;
-  engine->run(application);
-  EXPECT_EQ(application.count, application.rays());
-}
-
 TEST_F(EngineTest, ACancelledFrameIsThrownAway) {
   std::atomic<bool> cancel{true};
   EngineOptions wanted = options(3, Termination::outstanding_count);
