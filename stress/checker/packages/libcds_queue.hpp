@@ -17,8 +17,8 @@
 
 namespace irt::checker {
 
-/// A libcds garbage collector that collects nothing. Its reads are those of the library's own:
-/// acquire, until two agree.
+/// A libcds garbage collector that collects nothing. Its reads are acquire, as the last read of the
+/// library's own guards is.
 struct KeepAll {
   template <class T>
   using atomic_ref = std::atomic<T*>;
