@@ -6,7 +6,7 @@ namespace irt::checker {
 
 using virtual_cores::host;
 
-Execution* Execution::current_execution_ = nullptr;
+Execution* Execution::running = nullptr;
 
 Execution::Execution(const Scenario& scenario, const Limits& limits)
     : scenario_(scenario),
@@ -22,7 +22,7 @@ Execution::Execution(const Scenario& scenario, const Limits& limits)
 
 Outcome Execution::run(Strategy& strategy) {
   strategy_ = &strategy;
-  current_execution_ = this;
+  running = this;
   graph_.clear();
   heap_.clear();
   steps_.clear();
@@ -91,7 +91,7 @@ Outcome Execution::run(Strategy& strategy) {
       break;
     }
   }
-  current_execution_ = nullptr;
+  running = nullptr;
   strategy.end(*this, outcome_);
   return outcome_;
 }

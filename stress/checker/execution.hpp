@@ -84,7 +84,7 @@ class Execution final : public virtual_cores::Tenant {
   /// The past of `thread`, as a judge may need it between operations.
   [[nodiscard]] const Clock& clock_of(unsigned thread) const { return graph_.thread(thread).now; }
   /// The execution in progress; null outside of `run`.
-  static Execution* current_execution() { return current_execution_; }
+  static Execution* current_execution() { return running; }
   /// For scenarios: lets those that await it go on; what came before happens before what they do.
   void signal();
   void await_signal();
@@ -222,7 +222,7 @@ class Execution final : public virtual_cores::Tenant {
   bool alone() const { return phase_ == Phase::prepare || phase_ == Phase::finish; }
   void step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc);
 
-  static Execution* current_execution_;
+  static Execution* running;
   const Scenario& scenario_;
   Limits limits_;
   unsigned main_;

@@ -123,7 +123,8 @@ void Execution::release(void* pointer, const void* pc) {
   const unsigned thread = cores_.current();
   Block* block = heap_.find(address);
   if (block == nullptr || block->address != address)
-    report(FindingKind::invalid_free, "what is freed at {0} is not the beginning of a block", {pc});
+    return report(FindingKind::invalid_free, "what is freed at {0} is not the beginning of a block",
+                  {pc});
   if (block->freed)
     report(FindingKind::invalid_free,
            "thread " + std::to_string(thread) + " frees at {0} what thread " +

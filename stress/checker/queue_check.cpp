@@ -135,6 +135,7 @@ class QueueCheck {
   /// the others.
   void sample(const std::vector<std::string>& shapes, Search kind, double until) {
     std::vector<ShapeResult> results;
+    results.reserve(shapes.size());
     for (const std::string& shape : shapes)
       results.push_back({shape, std::string(name_of(kind)), {}, 0, ""});
     constexpr std::uint64_t next_seed = 1'000'003;  // a round begins where no other one does

@@ -156,7 +156,8 @@ std::string columns(const Execution& execution, const std::vector<Operation>& op
       if (event.pc == nullptr) place = "  signal ";
       std::string code = source.text.empty() ? std::string(name_of(event.order)) : source.text;
       const std::size_t room = width - 2 - std::min(width / 2, place.size() + result.size());
-      line(event.thread, place + fitted(code, room) + result);
+      place.append(fitted(code, room)).append(result);
+      line(event.thread, place);
       const std::size_t choice =
           step < execution.steps().size() ? execution.steps()[step].choice : 0;
       if (choice != 0 && event.reads) {

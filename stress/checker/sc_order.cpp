@@ -29,7 +29,7 @@ class Relation {
 
   Relation(const Graph& graph, const std::vector<EventId>& nodes)
       : graph_(graph), nodes_(nodes), count_(std::min(nodes.size(), most)) {
-    for (std::size_t i = 0; i < count_; ++i) successors_[i].reset();
+    for (std::size_t i = 0; i < count_; ++i) successors[i].reset();
   }
 
   bool is_acyclic() {
@@ -44,7 +44,7 @@ class Relation {
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t i = count_; i-- > 0;) {
-        if (!left[i] || (successors_[i] & left).any()) continue;
+        if (!left[i] || (successors[i] & left).any()) continue;
         left.reset(i);
         changed = true;
       }
@@ -62,17 +62,17 @@ class Relation {
 
   // The last earlier operation of each thread is enough: the ones before precede that.
   void strongly_happens_before() {
-    fences_.clear();
+    fences.clear();
     for (std::size_t i = 0; i < count_; ++i) {
       const Event& b = graph_.event(nodes_[i]);
-      if (b.kind == EventKind::fence) fences_.push_back(i);
+      if (b.kind == EventKind::fence) fences.push_back(i);
       Nodes threads;
       for (std::size_t j = i; j-- > 0;) {
         const Event& a = graph_.event(nodes_[j]);
         if (threads[a.thread] || (a.thread != b.thread && b.before.count[a.thread] <= a.index))
           continue;
         threads.set(a.thread);
-        successors_[j].set(i);
+        successors[j].set(i);
       }
     }
   }
@@ -84,40 +84,40 @@ class Relation {
       access.from.set(event.node);
       access.to.set(event.node);
     }
-    for (const std::size_t f : fences_) {
+    for (const std::size_t f : fences) {
       const Event& fence = graph_.event(nodes_[f]);
       if (event.kind != EventKind::initial && graph_.happens_before(fence, event.after))
         access.from.set(f);
       if (graph_.happens_before(event, fence.after)) access.to.set(f);
     }
-    if (access.from.any() || access.to.any()) accesses_.push_back(access);
+    if (access.from.any() || access.to.any()) accesses.push_back(access);
   }
 
   void coherence_ordered_before(const Location& location) {
-    accesses_.clear();
+    accesses.clear();
     for (std::size_t place = 0; place < location.stores.size(); ++place)
       add(location.stores[place], 2 * place);
     for (const EventId read : location.reads)
       if (const Event& event = graph_.event(read); !event.writes)
         add(read, 2 * graph_.place_of(event.from) + 1);
-    std::sort(accesses_.begin(), accesses_.end(),
+    std::sort(accesses.begin(), accesses.end(),
               [](const Access& x, const Access& y) { return x.position > y.position; });
     Nodes later;
     Nodes here;
-    std::size_t position = accesses_.empty() ? 0 : accesses_.front().position;
-    for (const Access& access : accesses_) {
+    std::size_t position = accesses.empty() ? 0 : accesses.front().position;
+    for (const Access& access : accesses) {
       if (access.position != position) later |= here;
       position = access.position;
       here |= access.to;
       for (std::size_t i = access.from._Find_first(); i < count_; i = access.from._Find_next(i))
-        successors_[i] |= later;
+        successors[i] |= later;
     }
   }
 
   // Kept from one question to the next for their memory only.
-  static inline std::array<Nodes, most> successors_;
-  static inline std::vector<std::size_t> fences_;
-  static inline std::vector<Access> accesses_;
+  static inline std::array<Nodes, most> successors;
+  static inline std::vector<std::size_t> fences;
+  static inline std::vector<Access> accesses;
 
   const Graph& graph_;
   const std::vector<EventId>& nodes_;

@@ -19,7 +19,6 @@
 
 using irt::virtual_cores::active;
 using irt::virtual_cores::current_core;
-using irt::virtual_cores::Wake;
 
 #define IRT_PC __builtin_return_address(0)
 
