@@ -145,6 +145,9 @@ void prepare(CommandLine& line) {
 int run_mutants(CommandLine& line) {
   irt::virtual_cores::Module module(own_directory() / "irt_mutants_module.so");
   line.kill.seconds = line.settings.seconds;
+  if (!line.json_file.empty() && !line.kill.default_only)
+    usage_error("--json with --mutants needs --default-search, whose results it keeps");
+  line.kill.json = line.json_file;
   return kill_matrix(module, line.kill) ? 0 : 1;
 }
 
@@ -241,6 +244,9 @@ int main(int argc, char** argv) {
   app.add_option("--seeds", line.kill.seeds, "of --mutants: runs of each random search")
       ->needs(mutants)
       ->capture_default_str();
+  app.add_flag("--default-search", line.kill.default_only,
+               "of --mutants: only what a check does by default, with as many seeds")
+      ->needs(mutants);
   app.add_flag("!--no-progress", settings.progress, "do not stop threads to test progress claims");
   app.add_flag("!--allow-races", settings.options.limits.races,
                "data races are no findings (a formal fault of some libraries)");

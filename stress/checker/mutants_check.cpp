@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "stress/checker/queue_check.hpp"
@@ -33,6 +35,24 @@ std::string outcome(const Trial& trial) {
 
 std::string evidence(const Trial& trial) {
   return trial.found ? fmt::format("{} on {} ", name_of(*trial.found), trial.shape) : "";
+}
+
+/// The default search with each seed: a cell of the kill matrix of `irt stress --mutants`.
+nlohmann::json default_search(const stress::Mutant& mutant, virtual_cores::Module& module,
+                              const KillSettings& settings, const Trial& first, const Trial& twin) {
+  std::vector<double> seconds;
+  const auto note = [&](const Trial& trial) {
+    if (trial.found) seconds.push_back(trial.seconds);
+  };
+  note(first);
+  for (unsigned seed = 2; seed <= settings.seeds; ++seed)
+    note(try_queue(mutant.queue, shapes_for(mutant), module, {}, seed, settings.seconds));
+  return {{"runs", settings.seeds},
+          {"kills", seconds.size()},
+          {"slowest", seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end())},
+          {"times", seconds},
+          {"claim", first.found ? name_of(*first.found) : ""},
+          {"twin_accused", twin.found ? evidence(twin) : ""}};
 }
 
 }  // namespace
@@ -81,8 +101,12 @@ bool kill_matrix(virtual_cores::Module& module, const KillSettings& settings) {
   for (const std::string& id : settings.ids)
     if (std::none_of(mutants.begin(), mutants.end(), [&](const auto& m) { return m.id == id; }))
       throw std::invalid_argument(fmt::format("--mutant \"{}\": there is none of that id", id));
-  fmt::print("{:<11} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}  {:<8} {}\n", "mutant", "default",
-             "every", "bounded", "pos", "pct", "random", "twin", "found as");
+  if (settings.default_only)
+    fmt::print("{:<11} {:>9}  {:<14} {}\n", "mutant", "default", "twin", "found as");
+  else
+    fmt::print("{:<11} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}  {:<14} {}\n", "mutant", "default",
+               "every", "bounded", "pos", "pct", "random", "twin", "found as");
+  nlohmann::json cells;
   bool good = true;
   for (const stress::Mutant& mutant : mutants) {
     if (!settings.ids.empty() &&
@@ -94,14 +118,28 @@ bool kill_matrix(virtual_cores::Module& module, const KillSettings& settings) {
     const Trial found = once(mutant.queue, {});
     const Trial twin = once(mutant.twin, {});
     good = good && found.found && !twin.found;
-    fmt::print("{:<11} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}  {:<8} {}\n", mutant.id,
-               outcome(found), outcome(once(mutant.queue, Search::exhaustive)),
-               outcome(once(mutant.queue, Search::bounded)),
-               samples(mutant, module, Search::pos, settings),
-               samples(mutant, module, Search::pct, settings),
-               samples(mutant, module, Search::random, settings),
-               twin.found ? "ACCUSED" : outcome(twin), evidence(found) + evidence(twin));
+    const std::string verdict = twin.found ? "ACCUSED" : outcome(twin);
+    if (settings.default_only) {
+      nlohmann::json cell = default_search(mutant, module, settings, found, twin);
+      good = good && cell["kills"] == settings.seeds;
+      fmt::print("{:<11} {:>9}  {:<14} {}\n", mutant.id, outcome(found), verdict,
+                 evidence(found) + evidence(twin));
+      cells[std::string(mutant.id)] = {{"checker", std::move(cell)}};
+    } else {
+      fmt::print("{:<11} {:>9} {:>9} {:>9} {:>12} {:>12} {:>12}  {:<14} {}\n", mutant.id,
+                 outcome(found), outcome(once(mutant.queue, Search::exhaustive)),
+                 outcome(once(mutant.queue, Search::bounded)),
+                 samples(mutant, module, Search::pos, settings),
+                 samples(mutant, module, Search::pct, settings),
+                 samples(mutant, module, Search::random, settings), verdict,
+                 evidence(found) + evidence(twin));
+    }
     std::fflush(stdout);
+  }
+  if (!settings.json.empty()) {
+    std::ofstream file(settings.json);
+    file << cells.dump(2) << '\n';
+    if (!file) throw std::runtime_error(fmt::format("cannot write \"{}\"", settings.json));
   }
   return good;
 }

@@ -37,11 +37,13 @@ struct KillSettings {
   std::vector<std::string> ids;  ///< empty: all
   unsigned seeds = 3;            ///< of each random search
   double seconds = 60;           ///< for each mutant and search, at most
+  bool default_only = false;     ///< only what `irt check` does by default, with each seed
+  std::string json;              ///< of the default search, as `irt stress --mutants` merges it
 };
 
 /// Prints a line for each mutant: the first report of each search, and what its twin did. Returns
 /// whether the default search found all mutants and accused no twin. Throws std::invalid_argument
-/// for an unknown id.
+/// for an unknown id, std::runtime_error where `json` cannot be written.
 bool kill_matrix(virtual_cores::Module& module, const KillSettings& settings);
 
 }  // namespace irt::checker

@@ -29,6 +29,10 @@ constexpr std::array instruments{Instrument{"oracles", by_oracles, Sanitizer::no
                                  Instrument{"tsan", by_tsan, Sanitizer::thread},
                                  Instrument{"asan", by_asan, Sanitizer::address}};
 
+/// The column of `irt check --mutants --default-search --json`, which is merged like other builds.
+/// The checker is expected to find every mutant.
+constexpr std::string_view checker = "checker";
+
 /// Whether `instrument` can be pointed at the mutant: progress is of interest where somebody claims
 /// it, and its calls must not wait for elements.
 bool applies(const Instrument& instrument, const Mutant& mutant) {
@@ -111,29 +115,38 @@ void print_row(const Mutant& mutant, const Row& row) {
     fmt::print(" {:<16}", cell == row.end() ? "" : show(cell->second));
     twin_ok = twin_ok && (cell == row.end() || cell->second.twin_accused.empty());
   }
+  if (const auto cell = row.find(std::string(checker)); cell != row.end()) {
+    fmt::print(" {:<16}", show(cell->second));
+    twin_ok = twin_ok && cell->second.twin_accused.empty();
+  } else {
+    fmt::print(" {:<16}", "");
+  }
   fmt::print(" {:<8} {}\n", twin_ok ? "ok" : "ACCUSED", mutant.defect);
   if (!mutant.needs.empty()) fmt::print("{:<11} needs the checker: {}\n", "", mutant.needs);
   std::fflush(stdout);
 }
 
-/// Whether an instrument that ran kept its promise on this mutant.
+/// Whether every instrument that ran kept its promise on this mutant.
 bool kept(const Mutant& mutant, const Row& row) {
   bool good = true;
-  for (const Instrument& instrument : instruments) {
-    const auto found = row.find(std::string(instrument.name));
-    if (found == row.end()) continue;
+  const auto judge = [&](std::string_view instrument, bool should_see) {
+    const auto found = row.find(std::string(instrument));
+    if (found == row.end()) return;
     const Cell& cell = found->second;
-    if ((mutant.seen & instrument.bit) != 0 && cell.kills < cell.runs) {
+    if (should_see && cell.kills < cell.runs) {
       fmt::print("{:<11} survived {} of {} runs under {}\n", mutant.id, cell.runs - cell.kills,
-                 cell.runs, instrument.name);
+                 cell.runs, instrument);
       good = false;
     }
     if (!cell.twin_accused.empty()) {
-      fmt::print("{:<11} healthy twin accused under {}: {}\n", mutant.id, instrument.name,
+      fmt::print("{:<11} healthy twin accused under {}: {}\n", mutant.id, instrument,
                  cell.twin_accused);
       good = false;
     }
-  }
+  };
+  for (const Instrument& instrument : instruments)
+    judge(instrument.name, (mutant.seen & instrument.bit) != 0);
+  judge(checker, true);
   return good;
 }
 
@@ -161,7 +174,7 @@ bool kill_mutants(const KillOptions& options, const ClockQuality& clock) {
       "seconds to the first report: median, slowest, kills/runs; once for the record\n{:<11}",
       "mutant");
   for (const Instrument& instrument : instruments) fmt::print(" {:<16}", instrument.name);
-  fmt::print(" {:<8} {}\n", "twin", "defect");
+  fmt::print(" {:<16} {:<8} {}\n", checker, "twin", "defect");
   for (const Mutant& mutant : mutants()) {
     if (!chosen(mutant)) continue;
     Row& row = matrix[std::string(mutant.id)];

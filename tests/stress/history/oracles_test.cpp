@@ -153,13 +153,17 @@ TEST(HappensBefore, FindsACycle) {
   EXPECT_TRUE(accuses(judge(h, claims(Ordering::unordered), 0), Pattern::fresh));
 }
 
-TEST(Full, IsJudgedByWhatCanHaveBeenInside) {
-  Claims ring = claims(Ordering::fifo_real_time);
-  ring.bounded = true;
-  const std::vector<Operation> drain{pop(a0, 20, 21)};
-  const History h = history({{push(a0, 0, 1), full(a1, 2, 3)}}, drain);
-  EXPECT_TRUE(judge(h, ring, 1).violations.empty());
-  EXPECT_TRUE(accuses(judge(h, ring, 2), Pattern::full));
+TEST(Full, IsJudgedByWhatCanHaveBeenInsideWhateverTheOrder) {
+  for (const Ordering ordering :
+       {Ordering::unordered, Ordering::per_producer_fifo, Ordering::k_relaxed_fifo,
+        Ordering::fifo_happens_before, Ordering::fifo_real_time}) {
+    Claims ring = claims(ordering);
+    ring.bounded = true;
+    const std::vector<Operation> drain{pop(a0, 20, 21)};
+    const History h = history({{push(a0, 0, 1), full(a1, 2, 3)}}, drain);
+    EXPECT_TRUE(judge(h, ring, 1).violations.empty());
+    EXPECT_TRUE(accuses(judge(h, ring, 2), Pattern::full));
+  }
 }
 
 TEST(Full, IsNoAnswerOfAnUnboundedQueue) {
