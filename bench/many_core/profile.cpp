@@ -6,10 +6,8 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
 #include <sstream>
-#include <tuple>
 
 #include "queues/nearest.hpp"
 
@@ -371,26 +369,6 @@ bool Profile::has(Distance distance) const {
       return sockets > 1;
   }
   return false;
-}
-
-std::vector<unsigned> place(const Profile& profile, Placement placement, unsigned threads) {
-  std::vector<unsigned> order(profile.threads());
-  std::iota(order.begin(), order.end(), 0U);
-  if (placement == Placement::socket) {
-    std::ranges::stable_sort(order, {}, [&](unsigned t) { return profile.socket_of(t); });
-  }
-  if (placement == Placement::spread) {
-    const unsigned per_node = profile.caches_per_node * profile.cores_per_cache;
-    std::ranges::stable_sort(order, {}, [&](unsigned t) {
-      const unsigned sibling = t / profile.cores();
-      const unsigned within = profile.core_of(t) % per_node;
-      const unsigned node = profile.node_of(t) % profile.nodes_per_socket;
-      return std::tuple(sibling, within, node, profile.socket_of(t));
-    });
-  }
-  std::vector<unsigned> placed(threads);
-  for (unsigned i = 0; i < threads; ++i) placed[i] = order[i % order.size()];
-  return placed;
 }
 
 std::span<const FigureEntry> figures() {

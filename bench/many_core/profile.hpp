@@ -108,16 +108,6 @@ struct Profile {
   bool has(Distance distance) const;
 };
 
-/// Which hardware threads software threads run on.
-enum class Placement : std::uint8_t {
-  close,   ///< in the order of their numbers: siblings only when every core has a thread
-  socket,  ///< a socket is filled, siblings last, before the next is used
-  spread,  ///< sockets in turn, and the nodes of a socket in turn
-};
-
-/// The hardware thread of each of `threads` software threads. More than there are start over.
-std::vector<unsigned> place(const Profile& profile, Placement placement, unsigned threads);
-
 /// One figure of a profile, as files and sensitivity name it.
 struct FigureEntry {
   std::string_view key;  ///< "kernel.syscall"

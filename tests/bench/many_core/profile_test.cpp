@@ -70,16 +70,6 @@ TEST(Profile, EveryPairHasOneDistanceAndTheLevelsNest) {
   EXPECT_EQ(seen, expected);
 }
 
-TEST(Profile, PlacesThreads) {
-  const Profile profile = parse_profile(two_by_two().dump(), "mine.json");
-  using Threads = std::vector<unsigned>;
-  EXPECT_EQ(place(profile, Placement::close, 5), (Threads{0, 1, 2, 3, 4}));
-  EXPECT_EQ(place(profile, Placement::socket, 10), (Threads{0, 1, 2, 3, 8, 9, 10, 11, 4, 5}));
-  EXPECT_EQ(place(profile, Placement::spread, 9), (Threads{0, 4, 1, 5, 2, 6, 3, 7, 8}));
-  const Threads more = place(profile, Placement::close, 17);
-  EXPECT_EQ(more[16], 0U);
-}
-
 TEST(Profile, AllThatComeWithTheProjectAreSound) {
   const std::set<std::string> expected{
       "xeon-e5420", "xeon-7400",         "xeon-5500",       "ryzen-5950x",
