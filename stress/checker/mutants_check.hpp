@@ -38,7 +38,7 @@ struct KillSettings {
   unsigned seeds = 3;            ///< of each random search
   double seconds = 60;           ///< for each mutant and search, at most
   bool default_only = false;     ///< only what `irt check` does by default, with each seed
-  std::string json;              ///< of the default search, as `irt stress --mutants` merges it
+  std::string json = {};         ///< of the default search, as `irt stress --mutants` merges it
 };
 
 /// Prints a line for each mutant: the first report of each search, and what its twin did. Returns

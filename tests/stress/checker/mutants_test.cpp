@@ -1,7 +1,10 @@
 // Mutants that fall at once, one of each family, and every twin for a moment. All of them, with
 // every search and many seeds: mutants_full_test.cpp.
 
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "stress/checker/mutants_check.hpp"
 
@@ -34,6 +37,22 @@ TEST_F(Mutants, no_twin_is_accused) {
                               << trial.shape;
     EXPECT_GT(trial.executions, 0U);
   }
+}
+
+TEST_F(Mutants, the_default_search_with_each_seed_is_kept_for_the_kill_matrix) {
+  const std::string file = testing::TempDir() + "irt_checker_column.json";
+  KillSettings settings;
+  settings.ids = {"m13"};
+  settings.seeds = 2;
+  settings.default_only = true;
+  settings.json = file;
+  EXPECT_TRUE(kill_matrix(module_, settings));
+  const auto cell = nlohmann::json::parse(std::ifstream(file)).at("m13").at("checker");
+  EXPECT_EQ(cell.at("runs"), 2);
+  EXPECT_EQ(cell.at("kills"), 2);
+  EXPECT_EQ(cell.at("times").size(), 2U);
+  EXPECT_EQ(cell.at("twin_accused"), "");
+  std::filesystem::remove(file);
 }
 
 TEST_F(Mutants, a_wrong_id_is_refused) {
