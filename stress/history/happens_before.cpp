@@ -180,7 +180,7 @@ HappensBefore::Empties HappensBefore::judge_empties() const {
   return result;
 }
 
-std::optional<Violation> HappensBefore::judge_full(std::size_t capacity) const {
+std::optional<Violation> HappensBefore::judge_full(std::size_t capacity, bool exact) const {
   // counts[row][i]: how many of the first i operations are pushes, and how many are pops.
   struct Count {
     std::int64_t pushes = 0;
@@ -199,13 +199,16 @@ std::optional<Violation> HappensBefore::judge_full(std::size_t capacity) const {
     const auto& log = *rows_[row].log;
     for (std::size_t i = 0; i < log.size(); ++i) {
       if (log[i].kind != Kind::full) continue;
-      std::int64_t most = 0;
+      std::int64_t most = 0, concurrent_pops = 0;
       for (std::size_t other = 0; other + 1 < rows_.size(); ++other) {
-        most +=
-            counts[other][std::min(first_after(other, row, i), counts[other].size() - 1)].pushes;
-        most -= counts[other][clock(row, i)[other]].pops;
+        const Count& before = counts[other][clock(row, i)[other]];
+        const Count& not_after =
+            counts[other][std::min(first_after(other, row, i), counts[other].size() - 1)];
+        most += not_after.pushes - before.pops;
+        concurrent_pops += not_after.pops - before.pops;
       }
       if (most >= static_cast<std::int64_t>(capacity)) continue;
+      if (!exact && concurrent_pops > 0) continue;
       return Violation{Pattern::full,
                        fmt::format("push answered full although by happens-before at most {} of "
                                    "{} places can have been taken",

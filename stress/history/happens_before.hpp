@@ -45,8 +45,10 @@ class HappensBefore {
   };
   [[nodiscard]] Empties judge_empties() const;
 
-  /// A *full* although fewer than `capacity` elements can have been inside.
-  [[nodiscard]] std::optional<Violation> judge_full(std::size_t capacity) const;
+  /// A *full* although fewer than `capacity` elements can have been inside. If not `exact`, only
+  /// where no pop runs concurrently: a ring may have to wait for the place of one under way, and
+  /// its other places are of no use meanwhile.
+  [[nodiscard]] std::optional<Violation> judge_full(std::size_t capacity, bool exact) const;
 
  private:
   using Tick = std::uint32_t;

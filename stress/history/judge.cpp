@@ -29,7 +29,7 @@ void judge_one_queue(const History& history, const Claims& claims, std::size_t c
     add(verdict, order.judge_order(false));
     add(verdict, std::move(empties.first));
   }
-  if (claims.bounded) add(verdict, order.judge_full(capacity));
+  if (claims.bounded) add(verdict, order.judge_full(capacity, fifo));
   if (claims.ordering == Ordering::fifo_real_time) {
     for (Violation& violation : judge_real_time(matching)) {
       verdict.violations.push_back(std::move(violation));

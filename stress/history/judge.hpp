@@ -25,11 +25,11 @@ struct Verdict {
 
 /// Judges `history`, made on a queue built with `capacity`, by `claims`:
 ///
-///     every queue          exactly once; the drain leaves nothing behind; *full* only if it can
-///                          have been, by happens-before, and never without a bound
+///     every queue          exactly once; the drain leaves nothing behind; *full* never without
+///                          a bound, and while no pop is under way only if it can have been
 ///     per_producer_fifo    order within a producer, by happens-before
 ///     k_relaxed_fifo       no pop passes more than k older elements, in real time
-///     fifo_happens_before  order and empty by happens-before
+///     fifo_happens_before  order, empty and full by happens-before
 ///     fifo_real_time       linearizable in real time, exact empty and full; implies the above
 ///
 /// Where each worker has a queue of its own (`Callers::own_worker`), each is judged alone; the

@@ -166,6 +166,17 @@ TEST(Full, IsJudgedByWhatCanHaveBeenInsideWhateverTheOrder) {
   }
 }
 
+TEST(Full, IsExactWithoutFifoOnlyWhileNoPopRuns) {
+  // The second push may have come upon the place that the pop has not given back yet.
+  const History meets_a_pop =
+      history({{push(a0, 0, 1), full(a1, 4, 5)}, {pop(a0, 2, 6), push(b0, 7, 8), pop(b0, 9, 10)}});
+  Claims ring = claims(Ordering::fifo_happens_before);
+  ring.bounded = true;
+  EXPECT_TRUE(accuses(judge(meets_a_pop, ring, 3), Pattern::full));
+  ring.ordering = Ordering::per_producer_fifo;
+  EXPECT_TRUE(judge(meets_a_pop, ring, 3).violations.empty());
+}
+
 TEST(Full, IsNoAnswerOfAnUnboundedQueue) {
   const History h = history({{push(a0, 0, 1), full(a1, 2, 3)}}, {pop(a0, 20, 21)});
   EXPECT_TRUE(accuses(judge(h, claims(Ordering::per_producer_fifo), 0), Pattern::full));
