@@ -15,6 +15,8 @@ declare -A package_purpose=(
   [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
   [libboost-context-dev]='fibers: the virtual cores of irt check'
+  [gnuplot-nox]='draws the plots of irt report --plots'
+  [chromium]='a browser, in which the page of irt report is tested'
   [libembree-dev]='Embree, which irt bench tracer compares with'
   [libcds-dev]='libcds, whose queue irt check looks at'
   [libconcurrentqueue-dev]='moodycamel::ConcurrentQueue, likewise'
@@ -29,9 +31,9 @@ packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev
   libboost-context-dev)
 packages_test=("${packages_tools[@]}" libgtest-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev libcds-dev libconcurrentqueue-dev
-  libatomic-queue-dev)
+  libatomic-queue-dev gnuplot-nox chromium)
 # What a target does without where it cannot be installed.
-declare -A optional_packages=([irt-tracer-bench]=libembree-dev)
+declare -A optional_packages=([irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox)
 packages_format=(clang-format)
 packages_tidy=("${packages_full[@]}" clang-tidy)
 

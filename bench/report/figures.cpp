@@ -1,0 +1,380 @@
+#include "bench/report/figures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <map>
+#include <set>
+
+#include "bench/report/metrics.hpp"
+
+namespace irt {
+namespace {
+
+using Runs = std::vector<std::size_t>;  // indices into Results::runs
+
+// With more lines than this nobody follows one of them.
+constexpr std::size_t series_at_most = 8;
+
+// What is rendered, which scenario, which benchmark: never in one panel.
+std::string topic_of(const Run& run) {
+  switch (run.family) {
+    case Family::frames:
+      return run.text("scene");
+    case Family::operations:
+      return run.text("scenario");
+    case Family::micro:
+      break;
+  }
+  const std::string name = run.subject();
+  return name.substr(0, name.find_first_of("/<"));
+}
+
+std::string without_unit(std::string_view title) {
+  return std::string(title.substr(0, title.find(" [")));
+}
+
+// A choice as part of a name: numbers need their title, words speak for themselves.
+std::string described(const Run& run, const Choice& choice) {
+  const std::string value = run.text(choice.key);
+  if (value.empty()) return fmt::format("{} by default", without_unit(choice.title));
+  return run.number(choice.key) ? fmt::format("{} {}", without_unit(choice.title), value) : value;
+}
+
+std::string file_name(const std::string& text) {
+  std::string name;
+  for (const char c : text) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (plain) {
+      name += c;
+    } else if (c >= 'A' && c <= 'Z') {
+      name += static_cast<char>(c - 'A' + 'a');
+    } else if (!name.empty() && name.back() != '-') {
+      name += '-';
+    }
+  }
+  while (name.ends_with('-')) name.pop_back();
+  return name.substr(0, 100);
+}
+
+class PanelMaker {
+ public:
+  explicit PanelMaker(const Results& results) : results_(results) {
+    for (const Run& run : results.runs) colours_.try_emplace(run.subject(), colours_.size());
+  }
+
+  std::vector<Panel> make() {
+    for (const Family family : {Family::frames, Family::operations, Family::micro}) {
+      std::vector<std::string> topics;
+      std::map<std::string, Runs> by_topic;
+      for (std::size_t i = 0; i < results_.runs.size(); ++i) {
+        if (results_.runs[i].family != family) continue;
+        Runs& runs = by_topic[topic_of(results_.runs[i])];
+        if (runs.empty()) topics.push_back(topic_of(results_.runs[i]));
+        runs.push_back(i);
+      }
+      for (const std::string& topic : topics) {
+        if (family == Family::micro) {
+          add_micro(topic, by_topic[topic]);
+        } else {
+          add_topic(family, topic, by_topic[topic]);
+        }
+      }
+    }
+    return std::move(panels_);
+  }
+
+ private:
+  const Run& run(std::size_t index) const { return results_.runs[index]; }
+
+  std::size_t distinct(const Runs& runs, std::string_view key) const {
+    std::set<std::string> values;
+    for (const std::size_t index : runs) values.insert(run(index).text(key));
+    return values.size();
+  }
+
+  void add_topic(Family family, const std::string& topic, const Runs& runs) {
+    bool any = false;
+    for (const Choice& x : choices(family)) {
+      if (!x.sweep || distinct(runs, x.key) < 2) continue;
+      add_sweep(family, topic, runs, x);
+      any = true;
+    }
+    if (!any) add_sweep(family, topic, runs, choices(family).front());
+  }
+
+  // What tells the runs apart beside the queue and x.
+  std::vector<const Choice*> differing(Family family, const Runs& runs, const Choice& x) const {
+    std::vector<const Choice*> found;
+    for (const Choice& choice : choices(family)) {
+      if (choice.key != x.key && distinct(runs, choice.key) > 1) found.push_back(&choice);
+    }
+    const std::vector<const Choice*> all = found;
+    for (const Choice* choice : all) {
+      if (!choice->derived) continue;
+      std::vector<const Choice*> rest = found;
+      std::erase(rest, choice);
+      std::set<std::string> with, without;
+      for (const std::size_t index : runs) {
+        with.insert(run(index).text(x.key) + series_key(index, found));
+        without.insert(run(index).text(x.key) + series_key(index, rest));
+      }
+      if (with.size() == without.size()) found = std::move(rest);
+    }
+    return found;
+  }
+
+  std::string choices_key(std::size_t index, const std::vector<const Choice*>& kept) const {
+    std::string key;
+    for (const Choice* choice : kept) key += '\n' + run(index).text(choice->key);
+    return key;
+  }
+  std::string series_key(std::size_t index, const std::vector<const Choice*>& kept) const {
+    const Run& one = run(index);
+    return fmt::format("{}\n{}\n{}\n{}{}", one.subject(), one.text("source"), one.text("machine"),
+                       one.environment, choices_key(index, kept));
+  }
+
+  // Runs with the same key, in the order of their first.
+  template <class Key>
+  static std::vector<Runs> grouped(const Runs& runs, Key key) {
+    std::map<std::string, std::size_t> places;
+    std::vector<Runs> groups;
+    for (const std::size_t index : runs) {
+      const auto [found, is_new] = places.try_emplace(key(index), groups.size());
+      if (is_new) groups.emplace_back();
+      groups[found->second].push_back(index);
+    }
+    return groups;
+  }
+
+  // Lines of one plot as long as there are few of them; else a panel for each value of a choice.
+  void add_sweep(Family family, const std::string& topic, const Runs& runs, const Choice& x) {
+    std::vector<const Choice*> in_series = differing(family, runs, x), in_panel;
+    const auto panel_groups = [&] {
+      return grouped(runs, [&](std::size_t index) { return choices_key(index, in_panel); });
+    };
+    const auto series_groups = [&](const Runs& panel) {
+      return grouped(panel, [&](std::size_t index) { return series_key(index, in_series); });
+    };
+    while (!in_series.empty()) {
+      std::size_t most = 0;
+      for (const Runs& panel : panel_groups()) {
+        most = std::max(most, series_groups(panel).size());
+      }
+      if (most <= series_at_most) break;
+      in_panel.push_back(in_series.front());
+      in_series.erase(in_series.begin());
+    }
+    const bool sweeps = distinct(runs, x.key) > 1;
+    for (const Runs& chosen : panel_groups()) {
+      if (sweeps && distinct(chosen, x.key) < 2 && x.key != "threads") continue;
+      Panel panel{.family = family,
+                  .title = topic,
+                  .variant = {},
+                  .name = {},
+                  .series = {},
+                  .plots = {},
+                  .facts = facts_of(results_, chosen)};
+      panel.title += sweeps ? fmt::format(", over {}", without_unit(x.title))
+                            : fmt::format(", {}", described(run(chosen.front()), x));
+      for (const Choice* choice : in_panel) {
+        if (!panel.variant.empty()) panel.variant += ", ";
+        panel.variant += described(run(chosen.front()), *choice);
+      }
+      const bool one_environment = std::ranges::all_of(chosen, [&](std::size_t index) {
+        return run(index).environment == run(chosen.front()).environment;
+      });
+      for (const Runs& series : series_groups(chosen)) {
+        panel.series.push_back(series_of(series, in_series, !one_environment));
+      }
+      settle_colours(panel);
+      add_plots(panel, x);
+      add_latencies(panel, x);
+      finish(std::move(panel));
+    }
+  }
+
+  Series series_of(const Runs& runs, const std::vector<const Choice*>& in_series,
+                   bool name_environment) const {
+    const Run& first = run(runs.front());
+    Series series{.name = first.subject(),
+                  .simulated = first.simulated(),
+                  .colour = 0,
+                  .runs = runs,
+                  .facts = series_facts(results_, runs)};
+    for (const Choice* choice : in_series) series.name += ", " + described(first, *choice);
+    if (first.simulated()) {
+      const std::string machine = first.text("machine");
+      series.name += machine.empty() ? ", simulated" : ", simulated " + machine;
+    }
+    if (name_environment) {
+      series.name += fmt::format(" ({})", environment_name(first.environment));
+    }
+    return series;
+  }
+
+  // The colour of its queue, unless that would give two lines of the same kind one colour.
+  void settle_colours(Panel& panel) const {
+    std::set<std::pair<std::string, bool>> seen;
+    bool unique = true;
+    for (const Series& series : panel.series) {
+      unique &= seen.emplace(run(series.runs.front()).subject(), series.simulated).second;
+    }
+    for (std::size_t i = 0; i < panel.series.size(); ++i) {
+      Series& series = panel.series[i];
+      series.colour = unique ? colours_.at(run(series.runs.front()).subject()) : i;
+    }
+  }
+
+  Point point_of(std::size_t index, const Metric& metric, double y) const {
+    const Run& one = run(index);
+    Point point{.x = 0,
+                .y = y,
+                .low = one.number(std::string(metric.key) + "_low"),
+                .high = one.number(std::string(metric.key) + "_high"),
+                .samples = {},
+                .run = index};
+    if (metric.key == "fps" && !point.low) {
+      point.low = one.number("fps_lower_quartile");
+      point.high = one.number("fps_upper_quartile");
+    }
+    const auto samples = one.fields.find(metric.samples);
+    if (samples != one.fields.end() && samples->is_array()) {
+      for (const auto& sample : *samples) {
+        if (sample.is_number()) point.samples.push_back(sample.get<double>());
+      }
+    }
+    return point;
+  }
+
+  void add_plots(Panel& panel, const Choice& x) const {
+    for (const Metric& metric : metrics(panel.family)) {
+      Plot plot{.name = std::string(metric.key),
+                .title = std::string(metric.title),
+                .x_title = std::string(x.title),
+                .log_x = false,
+                .log_y = false,
+                .dots = false,
+                .categories = {},
+                .lines = {}};
+      bool only_zeros = true;
+      for (const Series& series : panel.series) {
+        auto& line = plot.lines.emplace_back();
+        for (const std::size_t index : series.runs) {
+          const auto y = value_of(run(index), metric);
+          const auto at = run(index).number(x.key);
+          if (!y || run(index).status() != "ok") continue;
+          line.push_back(point_of(index, metric, *y));
+          line.back().x = at.value_or(0);
+          only_zeros &= *y == 0;
+        }
+        std::ranges::sort(line, {}, &Point::x);
+      }
+      if (only_zeros && metric.skip_zeros) continue;
+      add(panel, std::move(plot));
+    }
+  }
+
+  // Percentiles with as many threads as all series have.
+  void add_latencies(Panel& panel, const Choice& x) const {
+    constexpr std::array percentiles{"p50", "p90", "p99", "p99.9", "p99.99", "max"};
+    double most = 0;
+    for (const Series& series : panel.series) {
+      for (const std::size_t index : series.runs) {
+        most = std::max(most, run(index).number(x.key).value_or(0));
+      }
+    }
+    for (const char* operation : {"push", "pop"}) {
+      Plot plot{.name = fmt::format("latency-{}", operation),
+                .title = fmt::format("latency of {}, {} {:g} [ns]", operation,
+                                     without_unit(x.title), most),
+                .x_title = "percentile",
+                .log_x = false,
+                .log_y = false,
+                .dots = false,
+                .categories = {percentiles.begin(), percentiles.end()},
+                .lines = {}};
+      for (const Series& series : panel.series) {
+        auto& line = plot.lines.emplace_back();
+        for (const std::size_t index : series.runs) {
+          if (run(index).number(x.key).value_or(0) != most) continue;
+          const auto latency = run(index).fields.find("latency_ns");
+          if (latency == run(index).fields.end() || !latency->is_object()) continue;
+          const auto times = latency->find(operation);
+          if (times == latency->end() || !times->is_object()) continue;
+          for (std::size_t i = 0; i < percentiles.size(); ++i) {
+            const auto time = times->find(percentiles[i]);
+            if (time == times->end() || !time->is_number()) continue;
+            line.push_back({.x = static_cast<double>(i),
+                            .y = time->get<double>(),
+                            .low = {},
+                            .high = {},
+                            .samples = {},
+                            .run = index});
+          }
+        }
+      }
+      add(panel, std::move(plot));
+    }
+  }
+
+  // Adds a plot in which there is something, with its axes settled.
+  static void add(Panel& panel, Plot plot) {
+    std::set<double> places;
+    double least_y = 1e300, most_y = 0;
+    for (const auto& line : plot.lines) {
+      for (const Point& point : line) {
+        places.insert(point.x);
+        least_y = std::min(least_y, point.y);
+        most_y = std::max(most_y, point.y);
+      }
+    }
+    if (places.empty()) return;
+    plot.dots = places.size() == 1;
+    plot.log_x =
+        plot.categories.empty() && *places.begin() > 0 && *places.rbegin() >= 16 * *places.begin();
+    plot.log_y = least_y > 0 && most_y > 20 * least_y;
+    panel.plots.push_back(std::move(plot));
+  }
+
+  void add_micro(const std::string& topic, const Runs& runs) {
+    Panel panel{.family = Family::micro,
+                .title = topic,
+                .variant = {},
+                .name = {},
+                .series = {},
+                .plots = {},
+                .facts = facts_of(results_, runs)};
+    for (const std::size_t index : runs) {
+      Series series = series_of({index}, {}, false);
+      if (series.name.size() > topic.size() + 1) series.name.erase(0, topic.size() + 1);
+      panel.series.push_back(std::move(series));
+    }
+    add_plots(panel, {"threads", "threads"});
+    for (Plot& plot : panel.plots) plot.dots = true;
+    finish(std::move(panel));
+  }
+
+  void finish(Panel panel) {
+    if (panel.plots.empty()) return;
+    constexpr std::array families{"frames", "operations", "micro"};
+    const std::string name = file_name(fmt::format(
+        "{} {} {}", families[static_cast<std::size_t>(panel.family)], panel.title, panel.variant));
+    const std::size_t same = names_[name]++;
+    panel.name = same == 0 ? name : fmt::format("{}-{}", name, same + 1);
+    panels_.push_back(std::move(panel));
+  }
+
+  const Results& results_;
+  std::map<std::string, std::size_t> colours_, names_;
+  std::vector<Panel> panels_;
+};
+
+}  // namespace
+
+std::vector<Panel> panels_of(const Results& results) {
+  return PanelMaker(results).make();
+}
+
+}  // namespace irt

@@ -1,0 +1,66 @@
+/// `irt report`: results as a page to read, and as plots for a paper.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/frames/files.hpp"
+#include "bench/frames/usage_error.hpp"
+#include "bench/report/figures.hpp"
+#include "bench/report/page.hpp"
+#include "bench/report/plots.hpp"
+#include "bench/report/results.hpp"
+
+namespace irt {
+namespace {
+
+struct Options {
+  std::vector<std::filesystem::path> places;
+  std::filesystem::path out = "irt-out/report.html", plots;
+};
+
+void report(const Options& options) {
+  const Results results = read_results(options.places);
+  const std::vector<Panel> panels = panels_of(results);
+  require_writable(options.out);
+  write_text(options.out, page_of(results, panels));
+  for (const std::string& note : results.notes) fmt::print(stderr, "note: {}\n", note);
+  fmt::print(stderr, "{} runs of {} files: {}\n", results.runs.size(), results.files.size(),
+             options.out.string());
+  if (options.plots.empty()) return;
+  const PlotsWritten written = write_plots(panels, options.plots);
+  fmt::print(stderr, "{} plots with their data and scripts: {}{}\n", written.count,
+             options.plots.string(),
+             written.drawn ? "" : "; not drawn, for that gnuplot is needed (gnuplot-nox)");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Makes one page of any results: plots, tables, conditions.", "irt report");
+  Options options;
+  app.add_option("results", options.places,
+                 "result files, or directories of them (default: irt-out)");
+  app.add_option("--out", options.out, "the page")->capture_default_str();
+  app.add_option("--plots", options.plots,
+                 "directory for the plots alone: SVG, PDF, data, gnuplot scripts");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  if (options.places.empty()) options.places.emplace_back("irt-out");
+  report(options);
+  return 0;
+}
+
+}  // namespace
+}  // namespace irt
+
+int main(int argc, char** argv) {
+  // One line for the user, whatever it is: the errors of the project are for the user to mend.
+  try {
+    return irt::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "irt: {}\n", error.what());
+  }
+  return 2;
+}

@@ -1,0 +1,69 @@
+/// Result files of every tool, read into one list of runs.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace irt {
+
+/// A file that cannot be read as results. `what()` is one line: which file, what is wrong with it.
+/// Ends in exit code 2.
+struct ResultError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Which tool a run comes from, and so which figures it has.
+enum class Family : std::uint8_t {
+  frames,      ///< `irt compare`, `irt render`, `irt collide`: fields `scene`, `fps`
+  operations,  ///< `irt bench contention` and the simulator: field `kind`
+  micro,       ///< Google Benchmark's JSON
+};
+
+/// One object of a result file, as its tool wrote it, but for the conditions.
+struct Run {
+  Family family;
+  nlohmann::ordered_json fields;
+  std::size_t environment;  ///< see `Results::environments`
+  std::string time;         ///< when its conditions were taken, ISO 8601; empty where unknown
+
+  /// The number in `key`; nothing where it is missing, null or no number.
+  std::optional<double> number(std::string_view key) const;
+  /// The field as text; empty where it is missing or null.
+  std::string text(std::string_view key) const;
+  /// The queue, or who schedules where there is none; of micro benchmarks the name.
+  std::string subject() const;
+  bool simulated() const { return text("source") == "simulated"; }
+  /// "ok", "hung", "crashed", "failed", or "broken" where a queue has lost or doubled tasks.
+  std::string status() const;
+};
+
+struct ResultFile {
+  std::string name;
+  std::size_t runs = 0;
+};
+
+/// Runs that agree in the environment were taken under the same conditions.
+struct Results {
+  std::vector<Run> runs;
+  std::vector<nlohmann::ordered_json> environments;  ///< machine, system and build, without times
+  std::vector<ResultFile> files;
+  std::vector<std::string> notes;  ///< what a reader must know about how the files fit together
+};
+
+/// The letter or letters by which the page calls an environment: A, B ... Z, AA.
+std::string environment_name(std::size_t index);
+
+/// Reads at least one place: files, and of directories every result file in or below them. A file
+/// of JSON lines, which an interrupted sweep leaves, is read as far as it goes. Throws ResultError
+/// where a file that was named is no result file, and where there are no results at all; what else
+/// lies in a directory becomes a note. What is measured twice counts once, the newest.
+Results read_results(std::span<const std::filesystem::path> places);
+
+}  // namespace irt
