@@ -220,6 +220,19 @@ IRT_REDIRECTED int irt_vc_sched_yield() {
   active->yield(IRT_PC);
   return 0;
 }
+// What pause.hpp makes of the instruction `pause`: leaves every register as it was.
+extern "C" __attribute__((visibility("hidden"), used)) void irt_vc_note_pause() {
+  active->pause();
+}
+asm(".pushsection .text\n.globl irt_vc_cpu_pause\n.type irt_vc_cpu_pause, @function\n"
+    "irt_vc_cpu_pause:\n"
+    "pushfq\npushq %rax\npushq %rcx\npushq %rdx\npushq %rsi\npushq %rdi\n"
+    "pushq %r8\npushq %r9\npushq %r10\npushq %r11\npushq %rbp\n"
+    "movq %rsp, %rbp\nsubq $512, %rsp\nandq $-16, %rsp\nfxsave64 (%rsp)\n"
+    "call irt_vc_note_pause\nfxrstor64 (%rsp)\nmovq %rbp, %rsp\n"
+    "popq %rbp\npopq %r11\npopq %r10\npopq %r9\npopq %r8\n"
+    "popq %rdi\npopq %rsi\npopq %rdx\npopq %rcx\npopq %rax\npopfq\nret\n.popsection");
+
 IRT_REDIRECTED int irt_vc_nanosleep(const timespec* time, timespec*) {
   active->sleep(nanoseconds_of(*time), IRT_PC);
   return 0;

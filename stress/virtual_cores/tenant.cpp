@@ -117,6 +117,7 @@ unsigned Tenant::wake(std::uintptr_t, unsigned, const void*) {
 }
 void Tenant::yield(const void*) {}
 void Tenant::sleep(std::int64_t, const void*) {}
+void Tenant::pause() {}
 std::int64_t Tenant::now() {
   return 0;
 }

@@ -112,6 +112,8 @@ class Tenant {
   virtual unsigned wake(std::uintptr_t address, unsigned count, const void* pc);
   virtual void yield(const void* pc);
   virtual void sleep(std::int64_t nanoseconds, const void* pc);
+  /// The instruction that spinning loops wait with.
+  virtual void pause();
   /// Nanoseconds of virtual time.
   virtual std::int64_t now();
 

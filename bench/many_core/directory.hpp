@@ -1,0 +1,189 @@
+/// Who holds which cache line, who asks for it, and what that costs: the coherence model.
+///
+/// A core that holds a line uses it at the price of a hit. Otherwise it sends a request, which
+/// travels for a share `overlap` of the transfer and queues at the line; a line serves one request
+/// at a time. With L the transfer from the owner (or, of a clean copy, `shared_fetch` times the
+/// transfer from where it was last used), and `start` the moment when the line is free:
+///
+///     done = start + (1 - overlap) L + (conflict, if others wait)
+///     a read leaves the line busy until `done` if an owner gave it, else for `read_occupancy`
+///     ownership also waits for the farthest sharer to give up its copy, and for every other one
+///       `invalidate_per_sharer`; it leaves the line busy until the operation is done
+///
+/// Requests are served in the order of arrival; those of the socket that had the line last may be
+/// preferred `bypass` times in a row. Every leg varies by up to a tenth, from the run's seed, so
+/// that cores do not march in step.
+///
+/// Not modelled: capacity (caches hold everything), prefetching, several requests of one core in
+/// flight (but for posted stores), a core that keeps a line for operations it has queued already.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "bench/many_core/costs.hpp"
+
+namespace irt::many_core {
+
+inline constexpr unsigned line_bytes = 64;
+inline constexpr unsigned nobody = ~0U;
+
+/// A set of hardware threads.
+class CoreSet {
+ public:
+  bool has(unsigned core) const { return (words_[core / 64] >> core % 64 & 1U) != 0; }
+  void add(unsigned core) { words_[core / 64] |= std::uint64_t{1} << core % 64; }
+  void clear() { words_ = {}; }
+  /// The lowest and the highest but `except`; `nobody` if there is none.
+  unsigned lowest(unsigned except) const;
+  unsigned highest(unsigned except) const;
+
+ private:
+  std::array<std::uint64_t, max_cores / 64> words_{};
+};
+
+enum class Want : std::uint8_t {
+  copy,       ///< to read
+  ownership,  ///< to write
+  far,        ///< to have a read-modify-write done at the home
+};
+
+/// A core asks for a line.
+struct Request {
+  Time issued = 0;
+  Time arrival = 0;  ///< at the line
+  Request* next = nullptr;
+  const void* pc = nullptr;
+  std::uint64_t bytes = 0;  ///< of the line, that it wants to use
+  std::uint32_t thread = 0;
+  std::uint32_t core = 0;
+  Want want = Want::copy;
+  bool posted = false;  ///< nobody waits
+};
+
+/// Where in the code a line was asked for, and what that cost.
+struct Site {
+  const void* pc = nullptr;
+  std::uint64_t requests = 0;
+  Time waited = 0;
+  bool writes = false;
+};
+
+/// Requests of one socket, by arrival.
+struct Waiting {
+  Request* first = nullptr;
+  Request* last = nullptr;
+};
+
+struct Watch;
+
+struct Line {
+  std::uint64_t number = 0;  ///< address / 64
+  Time available = 0;        ///< when the next request may be served
+  Time read_done = 0;        ///< when the last reader has its copy
+  unsigned owner = nobody;   ///< who may write
+  unsigned last = nobody;    ///< who got it last: a clean copy comes from there; nobody: memory
+  std::uint16_t home = 0;    ///< socket
+  bool used = false;         ///< by anybody, in simulated time
+  bool only_mine = true;     ///< nobody but `last` has ever used it
+  bool only_read = true;     ///< nobody has ever written to it in simulated time
+  unsigned waiting = 0;
+  unsigned bypassed = 0;  ///< how often in a row
+  CoreSet sharers;
+  unsigned sharer_count = 0;
+  std::vector<Waiting>* queues = nullptr;  ///< by socket; null until somebody waits
+  Event event;
+  Watch* watchers = nullptr;  ///< who sleeps until the line changes hands
+
+  // What the owner and the readers have used since ownership last moved, a bit per byte.
+  std::uint64_t written = 0, read = 0;
+  std::uint64_t transfers = 0, false_transfers = 0;
+  Time waited = 0;
+  std::vector<Site> sites;
+
+  void share_with(unsigned core) {
+    if (sharers.has(core)) return;
+    sharers.add(core);
+    ++sharer_count;
+  }
+  void drop_sharers() {
+    if (sharer_count != 0) sharers.clear();
+    sharer_count = 0;
+  }
+  bool held_by(unsigned core) const { return owner == core || sharers.has(core); }
+};
+
+class Directory {
+ public:
+  Directory(const Profile& profile, EventQueue& events, std::uint64_t seed);
+
+  /// The line, or null if it was never used.
+  Line* find(std::uint64_t number) const {
+    std::size_t at = slot_of(number);
+    while (slots_[at].line != nullptr) {
+      if (slots_[at].number == number) return slots_[at].line;
+      at = (at + 1) & (slots_.size() - 1);
+    }
+    return nullptr;
+  }
+  Line& make(std::uint64_t number);
+  Line& at(std::uint32_t index) { return lines_[index]; }
+
+  /// Sends `request`, which must live until it is served.
+  void send(Line& line, Request& request, Time now);
+
+  struct Served {
+    Request* request = nullptr;  ///< null: the line is still busy, and the event moved
+    Time done = 0;
+    bool moved = false;  ///< not, where the core held the line by then
+  };
+  /// The line's event: serves one request.
+  Served serve(Line& line, Time now);
+
+  /// Forgets what was noted of lines so far.
+  void reset_statistics();
+
+  const std::deque<Line>& lines() const { return lines_; }
+  const Topology& topology() const { return topology_; }
+
+ private:
+  struct Slot {
+    std::uint64_t number = 0;
+    Line* line = nullptr;
+  };
+
+  std::size_t slot_of(std::uint64_t number) const {
+    return static_cast<std::size_t>(number * 0x9E3779B97F4A7C15U >> shift_);
+  }
+  // A transfer: the way of the request, which overlaps with others', and the rest.
+  struct Way {
+    Time request = 0, data = 0;
+  };
+
+  void grow();
+  Time vary(Time time);
+  const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const;
+  const Way& way_to(const Line& line, unsigned core) const;
+  Request& take(Line& line, Time now);
+  Time pass_bus(const Line& line, const Request& request, Time start);
+  void note(Line& line, const Request& request, Time done);
+  static Time earliest(const Line& line);
+
+  Topology topology_;
+  EventQueue& events_;
+  // By distance: of a line with an owner, of a clean copy; the same with the home elsewhere.
+  std::array<std::array<Way, distances>, 4> ways_{};
+  Way from_memory_;
+  Time conflict_, read_occupancy_, per_sharer_, far_, bus_, rmw_, store_;
+  unsigned bypass_;
+  std::vector<Time> bus_free_;
+  std::uint64_t random_;
+  std::vector<Slot> slots_;
+  unsigned shift_;
+  std::deque<Line> lines_;
+  std::deque<std::vector<Waiting>> queues_;
+};
+
+}  // namespace irt::many_core

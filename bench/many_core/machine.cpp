@@ -1,0 +1,220 @@
+#include "bench/many_core/machine.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace irt::many_core {
+
+using virtual_cores::host;
+
+std::string_view name_of(Cause cause) {
+  static constexpr std::array<std::string_view, causes> names{"transfer", "queueing", "stores",
+                                                              "spinning", "parked",   "scheduler"};
+  return names[static_cast<std::size_t>(cause)];
+}
+
+std::vector<unsigned> place(const Profile& profile, unsigned threads, Placement placement) {
+  std::vector<unsigned> order(profile.threads());
+  for (unsigned i = 0; i < order.size(); ++i) order[i] = i;
+  // Where a hardware thread comes in the order, as its rank among those like it, then the rest.
+  const auto by = [&order](auto key) {
+    std::ranges::stable_sort(order, [key](unsigned a, unsigned b) { return key(a) < key(b); });
+  };
+  if (placement == Placement::siblings)
+    by([&profile](unsigned thread) { return profile.core_of(thread); });
+  if (placement == Placement::spread) {
+    const unsigned per_socket = profile.cores() / profile.sockets;
+    by([&profile, per_socket](unsigned thread) {
+      return std::pair(thread / profile.cores(), profile.core_of(thread) % per_socket);
+    });
+  }
+  std::vector<unsigned> places;
+  for (unsigned i = 0; i < threads; ++i) places.push_back(order[i % order.size()]);
+  return places;
+}
+
+Machine::Machine(const Profile& profile, const std::vector<unsigned>& hardware_threads,
+                 std::uint64_t seed)
+    : profile_(profile),
+      alone_(profile, 1),
+      beside_sibling_(profile, profile.smt_slowdown),
+      syscall_(picoseconds(profile.syscall)),
+      futex_wait_(picoseconds(profile.futex_wait)),
+      wake_call_(picoseconds(profile.wake_call)),
+      wake_latency_(picoseconds(profile.wake_latency)),
+      switch_(picoseconds(profile.switch_same_core)),
+      quantum_(picoseconds(profile.quantum)),
+      directory_(profile, events_, seed),
+      heap_(static_cast<unsigned>(hardware_threads.size())),
+      threads_(hardware_threads.size()),
+      hardware_(profile.threads()),
+      cores_(*this, static_cast<unsigned>(hardware_threads.size())) {
+  for (unsigned i = 0; i < threads_.size(); ++i) {
+    Thread& thread = threads_[i];
+    thread.number = thread.event.index = i;
+    thread.core = Topology::place_of(profile, hardware_threads[i]);
+    thread.costs = &alone_;
+    thread.stack = cores_.stack_of(i);
+    thread.stack_bytes = cores_.stack_bytes();
+    for (Watch& watch : thread.loop.watches) watch.thread = i;
+  }
+}
+
+Machine::~Machine() = default;
+
+namespace {
+// What a fiber begins with; one machine runs at a time.
+Machine* running = nullptr;
+}  // namespace
+
+void Machine::enter(void* argument) {
+  const unsigned thread = static_cast<Thread*>(argument)->number;
+  if (running->timed_) {
+    running->body_(thread);
+  } else {
+    running->set_up_();
+  }
+}
+
+void Machine::set_up(const std::function<void()>& body) {
+  running = this;
+  timed_ = false;
+  set_up_ = body;
+  ending_ = {};
+  cores_.arm(0, enter, threads_.data());
+  cores_.run(0);
+  if (ending_.kind == Ending::Kind::failed) throw std::runtime_error(ending_.message);
+}
+
+Ending Machine::run(Time count_from, Time until, std::function<void(unsigned)> body) {
+  running = this;
+  heap_.mark_used();
+  body_ = std::move(body);
+  count_from_ = count_from;
+  until_ = until;
+  limit_ = until + patience;
+  ending_ = {};
+  left_ = static_cast<unsigned>(threads_.size());
+  for (Thread& thread : threads_) {
+    cores_.arm(thread.number, enter, &thread);
+    Hardware& hardware = hardware_[thread.core];
+    if (hardware.running == nobody) {
+      set_busy(thread.core, thread.number);
+      events_.push(thread.event, 0);
+    } else {
+      hardware.ready.push_back(thread.number);
+    }
+  }
+  for (unsigned place = 0; place < hardware_.size(); ++place) {
+    hardware_[place].quantum_end = quantum_;
+    set_deadline(place);
+  }
+  timed_ = true;
+  cores_.run(next_thread());
+  timed_ = false;
+  return ending_;
+}
+
+// Handles what happens to lines until something happens to a thread: returns that one.
+unsigned Machine::next_thread() {
+  while (!events_.empty()) {
+    Event& event = events_.pop();
+    ++events_taken_;
+    if (event.time > until_ && ++events_after_ > patience_events) end_late(event.time);
+    if (!counting_ && event.time >= count_from_) start_counting();
+    if (event.of_line) {
+      serve(directory_.at(event.index), event.time);
+      continue;
+    }
+    Thread& thread = threads_[event.index];
+    if (thread.parked && !thread.woken) {
+      time_out(thread, event.time);
+      continue;
+    }
+    thread.clock = std::max(thread.clock, event.time);
+    return event.index;
+  }
+  if (left_ != 0) {
+    ending_ = {Ending::Kind::asleep,
+               fmt::format("{} of {} threads sleep, and nobody is left to wake them", left_,
+                           threads_.size())};
+  }
+  return host;
+}
+
+// The current thread has nothing to do until its event.
+void Machine::go_on() {
+  cores_.switch_to(next_thread());
+}
+
+void Machine::serve(Line& line, Time now) {
+  const unsigned owner = line.owner;
+  const auto [request, done, moved] = directory_.serve(line, now);
+  if (request == nullptr) return;
+  counts_.transfers += moved ? 1 : 0;
+  if (line.watchers != nullptr && (request->want != Want::copy || owner != line.owner))
+    wake_watchers(line, now);
+  Thread& thread = threads_[request->thread];
+  if (request->posted) {
+    commit_store(thread, line, done);
+    return;
+  }
+  const Time queued = now - request->arrival;
+  note_wait(Cause::queueing, request->arrival, request->arrival + queued);
+  note_wait(Cause::transfer, request->issued + queued, done);
+  events_.push(thread.event, done);
+}
+
+void Machine::start_counting() {
+  counting_ = true;
+  counts_ = {};
+  directory_.reset_statistics();
+}
+
+// Time is up, for this quantum or for the run.
+void Machine::reach_deadline(Thread& me) {
+  if (me.clock >= limit_) end_late(me.clock);
+  give_way(me);
+}
+
+void Machine::end_late(Time time) {
+  end(Ending::Kind::late,
+      fmt::format("{} of {} threads are still busy {:.1f} ms after they should have stopped", left_,
+                  threads_.size(), static_cast<double>(time - until_) / 1e9));
+}
+
+void Machine::end(Ending::Kind kind, const std::string& message) {
+  ending_ = {kind, message};
+  cores_.switch_to(host);
+  std::abort();  // nobody switches back
+}
+
+unsigned Machine::finished(unsigned core) {
+  if (!timed_) return host;
+  Thread& thread = threads_[core];
+  --left_;
+  set_busy(thread.core, nobody);
+  run_next(hardware_[thread.core], thread.clock);
+  return next_thread();
+}
+
+void Machine::on_failure(const std::string& what, const void* /*pc*/) {
+  if (virtual_cores::current_core == host) throw std::runtime_error(what);
+  end(Ending::Kind::failed, what);
+}
+
+Time Machine::last_clock() const {
+  return std::ranges::max(threads_, {}, &Thread::clock).clock;
+}
+
+void Machine::work(double ns) {
+  Thread& me = current();
+  if (timed_) me.clock += picoseconds(ns * me.costs->slowdown);
+}
+
+std::int64_t Machine::now() {
+  return timed_ && virtual_cores::current_core != host ? current().clock / nanosecond : 0;
+}
+
+}  // namespace irt::many_core

@@ -1,0 +1,153 @@
+/// What can be known of simulated runs without a machine: closed forms, conservation, determinism.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "bench/many_core/children.hpp"
+#include "bench/many_core/point.hpp"
+
+namespace irt::many_core {
+namespace {
+
+// Round figures, so that the sums below can be checked by hand.
+Profile simple_machine() {
+  return parse_profile(R"({
+    "name": "simple", "summary": "one socket of 32 cores",
+    "topology": {"sockets": 1, "nodes_per_socket": 1, "caches_per_node": 1, "cores_per_cache": 32,
+                 "smt": 1, "cores": 32, "source": "made up"},
+    "clock_ghz": [3, "made up"],
+    "load_hit": [1, "made up"], "store_hit": [0.5, "made up"], "rmw_hit": [5, "made up"],
+    "plain_op": [0.5, "made up"], "pause": [10, "made up"],
+    "transfer": {"same_cache": [50, "made up"]},
+    "shared_fetch": [0.8, "made up"], "dram": [100, "made up"],
+    "overlap": [0.1, "made up"], "conflict": [10, "made up"], "read_occupancy": [10, "made up"],
+    "invalidate_per_sharer": [3, "made up"]
+  })",
+                       "simple.json");
+}
+
+Point primitive(const std::string& name, unsigned threads, double work_ns) {
+  return {.subject = name,
+          .module = IRT_CONTENDED,
+          .scenario = Scenario::primitive,
+          .threads = threads,
+          .work_ns = work_ns,
+          .warm_up_ns = 100e3,
+          .measured_ns = 500e3};
+}
+
+Point queue(const std::string& name, Scenario scenario, unsigned threads) {
+  return {.subject = name,
+          .module = std::string(IRT_CHECKED_QUEUES) + "/irt_checked_" + name + ".so",
+          .scenario = scenario,
+          .threads = threads,
+          .producers = threads / 2,
+          .work_ns = 85,
+          .capacity = 64,
+          .warm_up_ns = 50e3,
+          .measured_ns = 200e3};
+}
+
+// In a process of its own, as every simulation.
+nlohmann::json run(const Point& point, std::uint64_t seed = 1,
+                   const Profile& profile = simple_machine()) {
+  nlohmann::json result;
+  const std::atomic<bool> never_interrupted{false};
+  run_in_children(
+      1, 1, 60, [&](std::size_t) { return simulate(profile, point, seed, false).dump(); },
+      [&](std::size_t, const ChildResult& child) {
+        ASSERT_EQ(child.status, "ok") << child.message << child.text;
+        result = nlohmann::json::parse(child.text);
+      },
+      never_interrupted);
+  return result;
+}
+
+double operations_per_us(const nlohmann::json& result) {
+  EXPECT_EQ(result["status"], "ok") << result["message"];
+  return result["operations_per_second"].get<double>() * 1e-6;
+}
+
+TEST(Simulator, one_core_pays_the_sum_of_its_hits) {
+  // No work, no jitter in hits: exactly one fetch-and-add every 5 ns.
+  EXPECT_DOUBLE_EQ(operations_per_us(run(primitive("faa", 1, 0))), 200);
+  // A load, a plain store to the stack and a compare-and-swap, to the last one that fits.
+  EXPECT_NEAR(operations_per_us(run(primitive("load-cas", 1, 0))), 1000.0 / 6.5, 0.01);
+}
+
+TEST(Simulator, fetch_and_add_follows_its_closed_form) {
+  constexpr double transfer = 50, hit = 5, conflict = 10;
+  for (const double work : {0.0, 100.0, 1000.0}) {
+    for (const unsigned threads : {2U, 4U, 8U, 32U}) {
+      const double free = threads / (work + transfer + hit) * 1000;
+      // Of two, when one is served nobody else waits.
+      const double period = 0.9 * transfer + (threads > 2 ? conflict : 0) + hit;
+      const double bound = 1000 / period;
+      // Where the two meet neither is exact.
+      if (free > 0.5 * bound && free < 2 * bound) continue;
+      EXPECT_NEAR(operations_per_us(run(primitive("faa", threads, work))) / std::min(free, bound),
+                  1, 0.02)
+          << threads << " threads, " << work << " ns of work";
+    }
+  }
+}
+
+TEST(Simulator, compare_and_swap_loops_succeed_once_per_round) {
+  // First come, first served: of all that have seen the same value one succeeds.
+  constexpr double period = 0.9 * 50 + 10 + 5;
+  for (const unsigned threads : {4U, 8U, 16U}) {
+    EXPECT_NEAR(operations_per_us(run(primitive("cas", threads, 0))) * threads * period / 1000, 1,
+                0.05)
+        << threads << " threads";
+  }
+}
+
+TEST(Simulator, private_lines_scale_perfectly) {
+  EXPECT_NEAR(operations_per_us(run(primitive("private", 16, 45))) /
+                  (16 * operations_per_us(run(primitive("private", 1, 45)))),
+              1, 0.01);
+}
+
+TEST(Simulator, words_of_one_line_cost_as_much_as_one_word) {
+  EXPECT_NEAR(operations_per_us(run(primitive("neighbours", 8, 0))) /
+                  operations_per_us(run(primitive("faa", 8, 0))),
+              1, 0.02);
+}
+
+TEST(Simulator, what_goes_in_comes_out) {
+  for (const char* name : {"lfree", "lock", "mutex", "vyukov-ring"}) {
+    for (const Scenario scenario : {Scenario::pairs, Scenario::sides, Scenario::bursts}) {
+      const nlohmann::json result = run(queue(name, scenario, 6));
+      EXPECT_EQ(result["status"], "ok") << name << ": " << result["message"];
+      EXPECT_GT(result["pops"].get<double>(), 100) << name;
+    }
+  }
+}
+
+TEST(Simulator, the_same_seed_gives_the_same_bits) {
+  for (const char* name : {"lfree", "mutex"}) {
+    nlohmann::json first = run(queue(name, Scenario::pairs, 8), 7);
+    nlohmann::json second = run(queue(name, Scenario::pairs, 8), 7);
+    nlohmann::json other = run(queue(name, Scenario::pairs, 8), 8);
+    for (nlohmann::json* each : {&first, &second, &other}) {
+      each->erase("cpu_seconds");
+      each->erase("memory_bytes");
+    }
+    EXPECT_EQ(first, second) << name;
+    EXPECT_NE(first, other) << name;
+  }
+}
+
+TEST(Simulator, more_threads_than_cores_share_them) {
+  Point point = queue("mutex", Scenario::pairs, 48);
+  point.measured_ns = 2e6;
+  const nlohmann::json result = run(point);
+  EXPECT_EQ(result["status"], "ok") << result["message"];
+  EXPECT_GT(result["pops"].get<double>(), 100);
+}
+
+}  // namespace
+}  // namespace irt::many_core
