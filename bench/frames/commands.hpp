@@ -22,8 +22,16 @@ struct RenderOptions {
   unsigned frames = 10, warmup = 1;
   bool plain = false;                      ///< leave the clocks out of the render loop
   std::filesystem::path image, json, csv;  ///< empty: not written
+  std::filesystem::path trace;             ///< what each thread did when; empty: not recorded
 };
 int render(RenderOptions options, const QueueRegistry& queues);
+
+/// Which part of a sweep is measured: of `count` parts number `index`, from 0. All queues of one
+/// workload and number of threads are in the same part, for only there are they interleaved.
+struct Shard {
+  unsigned index = 0, count = 1;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Shard, index, count)
 
 /// `irt compare`: several queues, several numbers of threads, several workloads, interleaved.
 struct CompareOptions {
@@ -35,6 +43,7 @@ struct CompareOptions {
   double seconds = 60;  ///< what all measurements together should take
   std::vector<std::string> plugins;
   bool resume = false;
+  Shard shard;
   std::filesystem::path out = "irt-out", json;
   std::vector<std::string> given;  ///< the options that the user did set, by their long names
 };

@@ -34,21 +34,26 @@ struct Plan {
   std::vector<unsigned> threads;
   std::vector<std::string> plugins;
   unsigned frames = 0, repetitions = 0, warmup = 0;
+  Shard shard;
 
+  // Those of the shard.
   std::vector<Row> rows() const {
     std::vector<Row> all;
     for (unsigned workload = 0; workload < workloads.size(); ++workload) {
       const std::vector<std::string> none{"-"};
       for (const std::string& queue : uses_queue(workloads[workload]) ? queues : none) {
-        for (const unsigned count : threads) all.push_back({workload, queue, count});
+        for (unsigned i = 0; i < threads.size(); ++i) {
+          const auto number = workload * static_cast<unsigned>(threads.size()) + i;
+          if (number % shard.count == shard.index) all.push_back({workload, queue, threads[i]});
+        }
       }
     }
     return all;
   }
   unsigned samples() const { return static_cast<unsigned>(rows().size()) * repetitions; }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, workloads, queues, threads, plugins, frames, repetitions,
-                                   warmup)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Plan, workloads, queues, threads, plugins, frames,
+                                                repetitions, warmup, shard)
 
 // What the first frame of a workload told.
 struct Reference {
@@ -74,7 +79,8 @@ Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
             .plugins = options.plugins,
             .frames = options.frames,
             .repetitions = options.repetitions,
-            .warmup = options.warmup};
+            .warmup = options.warmup,
+            .shard = options.shard};
   for (WorkloadOptions& workload : plan.workloads) check(workload);
   if (plan.queues.empty()) {
     for (const QueueEntry& queue : queues.entries()) plan.queues.emplace_back(queue.name);
@@ -82,6 +88,11 @@ Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
   for (const std::string& name : plan.queues) queues.at(name);
   if (plan.threads.empty()) plan.threads = default_threads();
   for (const unsigned threads : plan.threads) settle_threads(threads);
+  if (plan.rows().empty()) {
+    throw UsageError(fmt::format(
+        "--shard {}/{}: nothing is left for it; there are {} workloads with {} numbers of threads",
+        plan.shard.index, plan.shard.count, plan.workloads.size(), plan.threads.size()));
+  }
   return plan;
 }
 

@@ -28,6 +28,18 @@ void parse_size(const std::string& text, WorkloadOptions& options) {
   options.height = static_cast<std::uint32_t>(height);
 }
 
+// "2/8". Throws UsageError.
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  char rest = 0;
+  // NOLINTNEXTLINE(cert-err34-c): nine digits fit
+  if (std::sscanf(text.c_str(), "%9u/%9u%c", &shard.index, &shard.count, &rest) != 2 ||
+      shard.index >= shard.count) {
+    throw UsageError(fmt::format("--shard {}: it is i/n with i from 0 to n - 1, as 0/4", text));
+  }
+  return shard;
+}
+
 // The options that say what is rendered and how.
 //
 // To `compare`, most of them can be given lists: every combination is then a workload of its own.
@@ -154,6 +166,8 @@ void add_render(CLI::App& app, Shared& shared, RenderOptions& options) {
   command.add_option("--image", options.image, "write the picture as PNG");
   command.add_option("--json", options.json, "write the figures as JSON; - for stdout");
   command.add_option("--csv", options.csv, "write the figures as CSV; - for stdout");
+  command.add_option("--trace", options.trace,
+                     "write what each thread did when, for ui.perfetto.dev");
   shared.add_plugin(command);
   command.final_callback([&] { shared.code = render(options, shared.queues); });
 }
@@ -199,6 +213,11 @@ void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
   command.add_option("--out", options.out, "directory of the results")->capture_default_str();
   command.add_option("--json", options.json, "write the figures here, too");
   command.add_flag("--resume", options.resume, "go on where the last run was stopped");
+  command
+      .add_option_function<std::string>(
+          "--shard", [&](const std::string& text) { options.shard = parse_shard(text); },
+          "measure part i of n, as 0/4; the parts need directories of their own")
+      ->default_str("0/1");
   command.final_callback([&] {
     if (const CLI::Option* plugin = command.get_option("--plugin"); plugin->count() != 0) {
       for (const std::string& file : plugin->results()) {

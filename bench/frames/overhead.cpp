@@ -11,6 +11,7 @@
 #include "bench/frames/summary.hpp"
 #include "queues/blocking/two_lock_queue.hpp"
 #include "renderer/engine/queue_engine.hpp"
+#include "renderer/engine/trace_log.hpp"
 
 namespace irt {
 namespace {
@@ -71,6 +72,9 @@ int overhead(OverheadOptions options) {
 
   EngineOptions measured = workload.engine_options(settle_threads(options.threads));
   measured.cancel = &cancel;
+  TraceLog log(measured.threads, 1u << 18);
+  EngineOptions traced = measured;
+  traced.trace = &log;
   EngineOptions plain = measured;
   plain.measure = false;
   constexpr QueueEntry queue = queue_entry<TwoLockQueue>("lock");
@@ -85,11 +89,13 @@ int overhead(OverheadOptions options) {
       Variant{"plain, concrete", concrete_engine<false>(plain, accelerator), {}},
       Variant{"measured, type-erased", make_engine(measured, queue, accelerator), {}},
       Variant{"measured, concrete", concrete_engine<true>(measured, accelerator), {}},
+      Variant{"traced, type-erased", make_engine(traced, queue, accelerator), {}},
   };
   // Interleaved, each round in another order; the first round warms up.
   for (unsigned round = 0; round <= options.frames; ++round) {
     for (std::size_t i = 0; i < variants.size(); ++i) {
       Variant& variant = variants[(i + round) % variants.size()];
+      log.clear();
       const double begin = processor_seconds();
       variant.engine->run(workload.application());
       if (cancel) return exit_interrupted;

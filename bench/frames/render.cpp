@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <optional>
 #include <thread>
 
 #include "bench/conditions/conditions.hpp"
@@ -8,7 +9,9 @@
 #include "bench/frames/progress.hpp"
 #include "bench/frames/sample.hpp"
 #include "bench/frames/summary.hpp"
+#include "bench/frames/trace_file.hpp"
 #include "bench/frames/usage_error.hpp"
+#include "renderer/engine/trace_log.hpp"
 
 namespace irt {
 
@@ -19,12 +22,33 @@ unsigned settle_threads(unsigned threads) {
   return threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
+namespace {
+
+// Spans in memory over all threads: 32 MB.
+constexpr std::size_t spans_in_trace = 1u << 20;
+
+void check_trace(const RenderOptions& options) {
+  if (options.trace.empty()) return;
+  if (options.plain) {
+    throw UsageError("--trace with --plain: a trace is made of clock readings; leave --plain out");
+  }
+  if (!uses_queue(options.workload)) {
+    throw UsageError(
+        fmt::format("--trace: the task system {} does not tell when it takes a task; --task-system "
+                    "queue does",
+                    options.workload.task_system));
+  }
+}
+
+}  // namespace
+
 int render(RenderOptions options, const QueueRegistry& queues) {
   const QueueEntry& queue =
       options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
   const unsigned threads = settle_threads(options.threads);
   check(options.workload);
-  for (const auto& file : {options.image, options.json, options.csv}) {
+  check_trace(options);
+  for (const auto& file : {options.image, options.json, options.csv, options.trace}) {
     if (!file.empty()) require_writable(file);
   }
   const std::atomic<bool>& cancel = watch_for_interrupt();
@@ -34,10 +58,13 @@ int render(RenderOptions options, const QueueRegistry& queues) {
   // Frame by frame, so that there is something to show on the way.
   ProgressBar progress(options.frames, 0);
   progress.show("rendering");
+  std::optional<TraceLog> log;
+  if (!options.trace.empty()) log.emplace(threads, spans_in_trace / (threads + 1));
   const SampleOptions sampling{.threads = threads,
                                .warmup = options.warmup,
                                .frames = options.frames,
-                               .measure = !options.plain};
+                               .measure = !options.plain,
+                               .trace = log ? &*log : nullptr};
   const Sample sample = take_sample(workload, queue, sampling, cancel, [&](bool counted) {
     if (counted) progress.step();
     progress.show("rendering");
@@ -84,6 +111,13 @@ int render(RenderOptions options, const QueueRegistry& queues) {
     fmt::print("frame         {:.0f} rays in {:.0f} tasks, hash {}, threads {}\n",
                number("rays_per_frame"), number("tasks_per_frame"), sample.image_hash,
                sample.pinned ? "pinned" : "not pinned");
+  }
+  if (log) {
+    write_trace(options.trace, *log,
+                {{"scene", workload.options().scene},
+                 {"queue", queue.name},
+                 {"threads", threads},
+                 {"conditions", taken}});
   }
   if (!options.image.empty()) write_png(options.image, workload.application().image());
   if (!options.json.empty()) write_text(options.json, runs.dump(2) + '\n');

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <optional>
 
+#include "renderer/engine/trace_log.hpp"
+
 namespace irt {
 namespace {
 
@@ -55,6 +57,7 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
   EngineOptions engine_options = workload.engine_options(options.threads);
   engine_options.measure = options.measure;
   engine_options.cancel = &cancel;
+  engine_options.trace = options.trace;
   const auto engine = workload.start_engine(engine_options, queue);
   Sample sample;
   sample.queue = uses_queue(workload.options()) ? queue.name : "-";
@@ -81,6 +84,7 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
     if (counted) {
       sample.add(stats, motion);
     } else {
+      if (options.trace != nullptr) options.trace->clear();
       sample.lost += stats.lost;
       sample.doubled += stats.doubled;
     }

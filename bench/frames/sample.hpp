@@ -45,7 +45,8 @@ struct SampleOptions {
   unsigned threads = 1;
   unsigned warmup = 1;  ///< frames that are rendered first and not counted
   unsigned frames = 1;
-  bool measure = true;  ///< see EngineOptions
+  bool measure = true;        ///< see EngineOptions
+  TraceLog* trace = nullptr;  ///< likewise; of the frames that count
 };
 
 /// Adds `counts` to `sum`, which grows as far as there are counts.

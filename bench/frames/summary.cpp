@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "bench/frames/mean_interval.hpp"
+
 namespace irt {
 namespace {
 
@@ -11,18 +13,20 @@ using Json = nlohmann::ordered_json;
 // All samples of one workload and queue with so many threads, as one.
 struct Group {
   Sample sum;
-  unsigned repetitions = 0;
+  std::vector<double> fps;  // median of each repetition
 };
 
 std::vector<Group> group(std::span<const Sample> samples) {
   std::vector<Group> groups;
   for (const Sample& sample : samples) {
+    if (sample.seconds.empty()) continue;
+    const double fps = 1 / quantile(sample.seconds, 0.5);
     auto found = std::ranges::find_if(groups, [&](const Group& group) {
       return group.sum.workload == sample.workload && group.sum.queue == sample.queue &&
              group.sum.threads == sample.threads;
     });
     if (found == groups.end()) {
-      groups.push_back({sample, 1});
+      groups.push_back({sample, {fps}});
       continue;
     }
     Sample& sum = found->sum;
@@ -41,9 +45,8 @@ std::vector<Group> group(std::span<const Sample> samples) {
     add_counts(sum.gets, sample.gets);
     add_counts(sum.adds, sample.adds);
     sum.same_image &= sample.same_image && sample.image_hash == sum.image_hash;
-    ++found->repetitions;
+    found->fps.push_back(fps);
   }
-  std::erase_if(groups, [](const Group& group) { return group.sum.seconds.empty(); });
   return groups;
 }
 
@@ -72,6 +75,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const double threads_s = sum.render_s * sum.threads;
   const double rays_per_frame = per(static_cast<double>(sum.rays), frames);
   const TimeHistogram gets = histogram(sum.gets), adds = histogram(sum.adds);
+  const MeanInterval repeated = mean_interval(group.fps);
   const auto share = [](double part, double whole) { return per(part, whole); };
   const bool queued = sum.queue != "-";
   const auto of_motion = [&](double figure) {
@@ -101,8 +105,11 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"samples_per_pixel", options.samples_per_pixel},
       {"warmup", background.warmup},
       {"frames", sum.seconds.size()},
-      {"repetitions", group.repetitions},
+      {"repetitions", group.fps.size()},
       {"fps", fps},
+      {"fps_low", repeated.low ? Json(*repeated.low) : Json()},
+      {"fps_high", repeated.high ? Json(*repeated.high) : Json()},
+      {"fps_samples", group.fps},
       {"fps_lower_quartile", 1 / quantile(sum.seconds, 0.75)},
       {"fps_upper_quartile", 1 / quantile(sum.seconds, 0.25)},
       {"seconds_per_frame", 1 / fps},
@@ -121,6 +128,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"barrier_wait_ms", per(sum.barrier_s * 1e3, frames * sum.threads)},
       {"idle_ms", per(sum.idle_s * 1e3, frames * sum.threads)},
       {"imbalance", per(sum.imbalance, frames)},
+      {"work_ns", of_queue(per((sum.trace_s + sum.shade_s) * 1e9, static_cast<double>(sum.tasks)))},
       // Of a scene that moves: per frame, and in which share of the frames the tree was rebuilt.
       {"pose_ms", of_motion(per(sum.pose_s * 1e3, frames))},
       {"update_ms", of_motion(per(sum.update_s * 1e3, frames))},
@@ -261,7 +269,7 @@ std::string csv(const nlohmann::ordered_json& runs) {
     std::string line;
     names.clear();
     for (const auto& [name, value] : run.items()) {
-      if (name == "conditions") continue;
+      if (name == "conditions" || value.is_structured()) continue;
       names += names.empty() ? name : "," + name;
       line += (line.empty() ? "" : ",") + (value.is_null() ? std::string() : value.dump());
     }

@@ -20,7 +20,9 @@ struct Background {
 };
 
 /// One object per workload, queue and number of threads, in the order of their first samples;
-/// `backgrounds` are those of the workloads. Speeds are medians over all frames, with quartiles;
+/// `backgrounds` are those of the workloads. Speeds are medians over all frames, with quartiles,
+/// and with the 95 % interval of the mean of `fps_samples`, the medians of the repetitions;
+/// `work_ns` is the mean time of tracing and shading a task, what is done between pop and pushes;
 /// `speed_up` is against the workload's fastest run with one thread and null without one. Times of
 /// the queue are per task, in medians, 99th percentiles and means, with the cost of the clock taken
 /// off, and null where there is no queue.
@@ -30,7 +32,7 @@ nlohmann::ordered_json summarise(std::span<const Sample> samples,
 /// The table that people read: one line per run, with a column for every choice that differs.
 std::string table(const nlohmann::ordered_json& runs);
 
-/// One line per run under a line of names: all fields but the conditions.
+/// One line per run under a line of names: all fields but the conditions and lists.
 std::string csv(const nlohmann::ordered_json& runs);
 
 /// The value below which a share `q` in [0, 1] of `values` lies, interpolated; `values` not empty.

@@ -47,11 +47,9 @@ std::string work(const Run& run) {
               : fmt::format("{:.4g} ns", *ns);
 }
 
-std::string placement(const Run& run, const Json& environment) {
+std::string placement(const Run& run) {
   const std::string text = run.text("placement");
-  if (!text.empty()) return text;
-  const std::string pinning = shown(environment, "pinning");
-  return pinning == "none" ? "the system's scheduler, no pinning" : pinning;
+  return text == "none" ? "by the system, no pinning" : or_not_recorded(text);
 }
 
 std::string smt(const Json& environment) {
@@ -158,7 +156,7 @@ std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> 
       {"source", [](const Run& run, const Json&) { return source(run); }},
       {"operation mix", [](const Run& run, const Json&) { return operation_mix(run); }},
       {"work between operations", [](const Run& run, const Json&) { return work(run); }},
-      {"placement", [](const Run& run, const Json& at) { return placement(run, at); }},
+      {"placement", [](const Run& run, const Json&) { return placement(run); }},
       {"SMT", [](const Run&, const Json& at) { return smt(at); }},
       {"governor", [](const Run&, const Json& at) { return shown(at, "governor"); }},
       {"interval", [](const Run& run, const Json&) { return interval(run); }},

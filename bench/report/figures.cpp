@@ -16,6 +16,25 @@ using Runs = std::vector<std::size_t>;  // indices into Results::runs
 // With more lines than this nobody follows one of them.
 constexpr std::size_t series_at_most = 8;
 
+// Which benchmark, and what of it: "lock/push/threads:2" is about "push", of "lock/threads:2", as
+// `irt bench micro` names them; "BM_copy/8" and "BM_copy<int>" are about "BM_copy".
+struct MicroName {
+  std::string topic, variant;
+};
+MicroName micro_name(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const std::size_t first = name.find_first_of("/<");
+  if (first == std::string::npos) return {name, name};
+  const std::size_t second = name.find('/', first + 1);
+  const std::string part = name.substr(first + 1, second - first - 1);
+  const bool ours = name[first] == '/' && !part.empty() && letter(part.front()) &&
+                    part.find(':') == std::string::npos;
+  if (ours) return {part, name.substr(0, first) + name.substr(first + 1 + part.size())};
+  std::string variant = name.substr(first + 1);
+  if (variant.ends_with('>')) variant.pop_back();
+  return {name.substr(0, first), variant};
+}
+
 // What is rendered, which scenario, which benchmark: never in one panel.
 std::string topic_of(const Run& run) {
   switch (run.family) {
@@ -26,8 +45,7 @@ std::string topic_of(const Run& run) {
     case Family::micro:
       break;
   }
-  const std::string name = run.subject();
-  return name.substr(0, name.find_first_of("/<"));
+  return micro_name(run.subject()).topic;
 }
 
 std::string without_unit(std::string_view title) {
@@ -60,7 +78,9 @@ std::string file_name(const std::string& text) {
 class PanelMaker {
  public:
   explicit PanelMaker(const Results& results) : results_(results) {
-    for (const Run& run : results.runs) colours_.try_emplace(run.subject(), colours_.size());
+    for (const Run& run : results.runs) {
+      if (run.family != Family::micro) colours_.try_emplace(run.subject(), colours_.size());
+    }
   }
 
   std::vector<Panel> make() {
@@ -348,7 +368,8 @@ class PanelMaker {
                 .facts = facts_of(results_, runs)};
     for (const std::size_t index : runs) {
       Series series = series_of({index}, {}, false);
-      if (series.name.size() > topic.size() + 1) series.name.erase(0, topic.size() + 1);
+      series.name = micro_name(series.name).variant;
+      series.colour = colours_.try_emplace(series.name, colours_.size()).first->second;
       panel.series.push_back(std::move(series));
     }
     add_plots(panel, {"threads", "threads"});

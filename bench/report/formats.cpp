@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "bench/frames/journal.hpp"
+#include "bench/frames/mean_interval.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/report/results.hpp"
-#include "bench/frames/mean_interval.hpp"
 
 namespace irt {
 namespace {

@@ -48,6 +48,7 @@ constexpr Choice frame_choices[] = {
     {"secondary", "secondary rays"},
     {"animate", "animation"},
     {"update", "update"},
+    {"placement", "placement"},
 };
 constexpr Choice operation_choices[] = {
     {"threads", "threads", true},

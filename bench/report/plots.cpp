@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <string>
@@ -77,11 +78,11 @@ std::string axes_of(const Panel& panel, const Plot& plot) {
                        plot.log_y ? "set logscale x\n" : "set xrange [0:*]\n", panel.series.size(),
                        tics("y", names));
   }
-  return fmt::format("set xlabel {}\nset ylabel {}\n{}{}{}set key outside right top Left reverse\n",
-                     quoted(plot.x_title), quoted(plot.title),
-                     plot.log_x ? "set logscale x 2\n" : "",
-                     plot.log_y ? "set logscale y\n" : "set yrange [0:*]\n",
-                     plot.categories.empty() ? "" : tics("x", plot.categories));
+  return fmt::format(
+      "set xlabel {}\nset ylabel {}\n{}{}{}set key outside bottom center maxcols 2 Left reverse\n",
+      quoted(plot.x_title), quoted(plot.title), plot.log_x ? "set logscale x 2\n" : "",
+      plot.log_y ? "set logscale y\n" : "set yrange [0:*]\n",
+      plot.categories.empty() ? "" : tics("x", plot.categories));
 }
 
 std::string script_of(const Panel& panel, const Plot& plot, const std::string& name) {
@@ -111,13 +112,14 @@ std::string script_of(const Panel& panel, const Plot& plot, const std::string& n
   }
   return fmt::format(
       "# {}: {}\nreset\nset datafile missing '?'\nset title {}\nset grid\n{}"
-      "set terminal svg size 760,460 background 'white' font 'Helvetica,14' noenhanced\n"
+      "set terminal svg size 760,{} background 'white' font 'Helvetica,14' noenhanced\n"
       "set output '{}.svg'\nplot {}\n"
-      "set terminal pdfcairo size 16cm,9.6cm font 'Helvetica,10' noenhanced\n"
+      "set terminal pdfcairo size 16cm,{}cm font 'Helvetica,10' noenhanced\n"
       "set output '{}.pdf'\nreplot\nset output\n",
       one_line(panel.title), one_line(plot.title),
       quoted(panel.variant.empty() ? panel.title : panel.title + ": " + panel.variant),
-      axes_of(panel, plot), name, lines, name);
+      axes_of(panel, plot), 400 + 24 * panel.series.size(), name, lines,
+      9 + panel.series.size() / 2, name);
 }
 
 // What a caption must say.
@@ -146,6 +148,8 @@ bool draw(const std::vector<std::string>& scripts, const std::filesystem::path& 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "gnuplot.log",
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
   pid_t child = 0;
   const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);

@@ -101,8 +101,11 @@ class Collector {
         run.time = conditions["time"].get<std::string>();
       }
       for (const char* name : passing) conditions.erase(name);
-      // Where threads run is a choice of such a run, not of its environment.
-      if (run.fields.contains("placement")) conditions.erase("pinning");
+      // Where threads run is a choice of a run, not of its environment.
+      if (!run.fields.contains("placement") && conditions.contains("pinning")) {
+        run.fields["placement"] = conditions["pinning"];
+      }
+      conditions.erase("pinning");
       run.environment = environment(std::move(conditions));
       runs.push_back(std::move(run));
     }

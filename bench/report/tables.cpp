@@ -1,11 +1,13 @@
 #include "bench/report/tables.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "bench/report/facts.hpp"
 #include "bench/report/metrics.hpp"
 
 namespace irt {
@@ -55,6 +57,7 @@ constexpr Column operation_columns[] = {
     {"retries_per_operation", "retries/operation"},
     {"cas_failures_per_success", "failed CAS per success"},
     {"transfers_per_operation", "line transfers/operation"},
+    {"waiting", "waiting, by cause"},
     {"context_switches_per_second", "context switches/s"},
     {"memory_peak_bytes", "most memory [bytes]"},
     {"energy_joules", "energy [J]"},
@@ -73,6 +76,18 @@ std::span<const Column> columns_of(Family family) {
   return micro_columns;
 }
 
+// Of the time, the share of each cause that has one.
+Json shares(const Run& run) {
+  const auto causes = run.fields.find("waiting");
+  if (causes == run.fields.end() || !causes->is_object()) return nullptr;
+  std::vector<std::string> parts;
+  for (const auto& [cause, share] : causes->items()) {
+    if (!share.is_number() || share.get<double>() < 0.005) continue;
+    parts.push_back(fmt::format("{} {:.0f} %", cause, 100 * share.get<double>()));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 Json cell(const Run& run, std::string_view key) {
   if (const std::size_t space = key.find(' '); space != std::string_view::npos) {
     const auto latency = run.fields.find("latency_ns");
@@ -82,6 +97,7 @@ Json cell(const Run& run, std::string_view key) {
     const auto time = times->find(key.substr(space + 1));
     return time != times->end() && time->is_number() ? Json(*time) : Json();
   }
+  if (key == "waiting") return shares(run);
   if (const auto value = run.number(key)) return *value;
   const std::string text = run.text(key);
   return text.empty() ? Json() : Json(text);
@@ -147,7 +163,9 @@ Json environments_table(const Results& results) {
     for (const Json& environment : results.environments) {
       const auto found = environment.find(name);
       const bool known = found != environment.end() && !found->is_null();
-      row.push_back(!known ? Json() : found->is_string() ? *found : Json(found->dump()));
+      row.push_back(!known               ? Json(not_recorded)
+                    : found->is_string() ? *found
+                                         : Json(found->dump()));
     }
     rows.push_back(std::move(row));
   }

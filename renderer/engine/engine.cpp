@@ -57,6 +57,10 @@ std::unique_ptr<Engine> make_engine(const EngineOptions& options, const QueueEnt
       (claims.producers == Callers::one || claims.consumers == Callers::one)) {
     queue = std::make_unique<SerialisedQueue>(std::move(queue), claims);
   }
+  if (options.trace != nullptr) {
+    return std::make_unique<QueueEngine<AnyWorkQueue<void*>, true, true>>(options, std::move(queue),
+                                                                          accelerator);
+  }
   if (options.measure) {
     return std::make_unique<QueueEngine<AnyWorkQueue<void*>, true>>(options, std::move(queue),
                                                                     accelerator);

@@ -35,6 +35,8 @@ struct TerminationEntry {
 /// All policies, the default first.
 std::span<const TerminationEntry> terminations();
 
+class TraceLog;
+
 struct EngineOptions {
   unsigned threads = 1;               ///< render threads, at least 1
   std::uint32_t rays_per_task = 256;  ///< at least 1; the thesis found 256 best (3.1)
@@ -47,6 +49,9 @@ struct EngineOptions {
   /// Every so many tasks of a worker, time traversal and intersection apart; 0: never. A profiled
   /// trace is slower, so frames whose speed counts should not be profiled.
   std::uint32_t profile_every = 0;
+  /// Where to record what each thread does when: a log for so many threads, with `measure`. A work
+  /// queue's engine alone can do it.
+  TraceLog* trace = nullptr;
   /// If it becomes true the rest of the frame is thrown away.
   const std::atomic<bool>* cancel = nullptr;
 };

@@ -16,12 +16,16 @@
 #include "renderer/engine/placement.hpp"
 #include "renderer/engine/spin_wait.hpp"
 #include "renderer/engine/trace_and_shade.hpp"
+#include "renderer/engine/trace_log.hpp"
 
 namespace irt {
 
-/// `Queue` has push(worker, void*) and pop(worker, void*&). `measured` compiles the clocks in.
-template <class Queue, bool measured>
+/// `Queue` has push(worker, void*) and pop(worker, void*&). `measured` compiles the clocks in, and
+/// `traced` the log of `EngineOptions::trace`.
+template <class Queue, bool measured, bool traced = false>
 class QueueEngine final : public Engine {
+  static_assert(measured || !traced, "a trace is made of what the clocks say");
+
  public:
   /// `queue` was made for `options.threads` workers.
   QueueEngine(const EngineOptions& options, std::unique_ptr<Queue> queue,
@@ -92,14 +96,19 @@ class QueueEngine final : public Engine {
   bool tasks_are_lost(LossWatch& watch);
 
   // Charges the time since the last call to `account`, and to `each`, and goes on from now.
-  void charge(Worker& me, std::uint64_t& account, TimeHistogram* each = nullptr) {
+  void charge(Worker& me, Activity activity, std::uint64_t& account,
+              TimeHistogram* each = nullptr) {
     if constexpr (measured) {
       const Clock::time_point now = Clock::now();
       const std::uint64_t spent = nanoseconds(me.mark, now);
       account += spent;
       if (each != nullptr) each->add(spent);
+      log(me.index, {.begin = me.mark, .end = now, .activity = activity});
       me.mark = now;
     }
+  }
+  void log(std::size_t row, const Span& span) {
+    if constexpr (traced) options_.trace->add(row, span);
   }
   std::uint64_t nanoseconds(Clock::time_point from, Clock::time_point to) const {
     const double raw = std::chrono::duration<double, std::nano>(to - from).count() - clock_cost_;
@@ -114,8 +123,9 @@ class QueueEngine final : public Engine {
   std::vector<std::unique_ptr<Worker>> workers_;
   std::barrier<> barrier_;
   double clock_cost_;
-  bool end_ = false;          // END of Listing 3.3: written before the barrier, read after it
-  std::atomic<int> gate_{0};  // 1: go; -1: go home
+  Clock::time_point frame_begin_;  // as end_: written before the barrier, read after it
+  bool end_ = false;               // END of Listing 3.3: written before the barrier, read after it
+  std::atomic<int> gate_{0};       // 1: go; -1: go home
   std::atomic<unsigned> unpinned_{0};
   std::size_t forgotten_ = 0;  // tasks lost in earlier frames
   std::mutex error_mutex_;
@@ -126,8 +136,8 @@ class QueueEngine final : public Engine {
   std::vector<std::jthread> threads_;  // last: joined before anything they use goes
 };
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::start_threads() {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::start_threads() {
   // Until all threads exist they wait at a gate, so that a failure half-way can send them home.
   try {
     for (auto& worker : workers_) {
@@ -144,8 +154,8 @@ void QueueEngine<Queue, measured>::start_threads() {
   barrier_.arrive_and_wait();  // every thread has tried to bind itself
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::thread_main(Worker& me) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::thread_main(Worker& me) {
   if (!options_.pin || !pin_this_thread(me.index)) ++unpinned_;
   gate_.wait(0);
   if (gate_ < 0) return;
@@ -158,15 +168,16 @@ void QueueEngine<Queue, measured>::thread_main(Worker& me) {
   }
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::work(Worker& me, Termination policy) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::work(Worker& me, Termination policy) {
   if constexpr (measured) me.mark = Clock::now();
+  log(me.index, {.begin = frame_begin_, .end = me.mark, .activity = Activity::barrier});
   SpinWait wait;
   LossWatch watch;
   std::uint32_t misses = 0;
   while (true) {
     if (Task* task = get(me)) {
-      charge(me, me.stats.get_ns, &me.stats.gets);
+      charge(me, Activity::get, me.stats.get_ns, &me.stats.gets);
       if (misses != 0) {
         misses = 0;
         wait.reset();
@@ -176,7 +187,7 @@ void QueueEngine<Queue, measured>::work(Worker& me, Termination policy) {
       continue;
     }
     ++me.stats.failed_gets;
-    charge(me, me.stats.idle_ns);
+    charge(me, Activity::idle, me.stats.idle_ns);
     if (policy == Termination::leave_when_empty) break;
     // Relaxed: a task is counted before it is queued and discounted after its children are counted,
     // so in the modification order of the count 0 comes once, after the last task; the store that
@@ -186,13 +197,13 @@ void QueueEngine<Queue, measured>::work(Worker& me, Termination policy) {
     if (misses++ == 0) me.idle.store(true, std::memory_order_relaxed);
     if (misses % 1024 == 0 && tasks_are_lost(watch)) break;
     wait();
-    charge(me, me.stats.idle_ns);
+    charge(me, Activity::idle, me.stats.idle_ns);
   }
   me.idle.store(true, std::memory_order_relaxed);
 }
 
-template <class Queue, bool measured>
-Task* QueueEngine<Queue, measured>::get(Worker& me) {
+template <class Queue, bool measured, bool traced>
+Task* QueueEngine<Queue, measured, traced>::get(Worker& me) {
   void* task = nullptr;
   if (queue_->pop(me.index, task)) return static_cast<Task*>(task);
   if (me.overflow.empty()) return nullptr;
@@ -201,16 +212,18 @@ Task* QueueEngine<Queue, measured>::get(Worker& me) {
   return kept;
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::put(Worker& me, Task& task) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::put(Worker& me, Task& task) {
   task.queued.store(true, std::memory_order_relaxed);  // published by the push, with the rays
   if (queue_->push(me.index, &task)) return;
   me.overflow.push_back(&task);
   ++me.stats.overflowed;
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::process(Worker& me, Task& task) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::process(Worker& me, Task& task) {
+  const Clock::time_point taken = me.mark;
+  const TaskKind kind = task.kind;  // it may be another's before this one is done
   // Relaxed: of two takers exactly one finds true, by atomicity alone.
   const bool first_time = task.queued.exchange(false, std::memory_order_relaxed);
   const Task* source = &task;
@@ -245,16 +258,18 @@ void QueueEngine<Queue, measured>::process(Worker& me, Task& task) {
   // One step for the task that is done and the ones it made; see `work` for the order.
   const std::int64_t change = static_cast<std::int64_t>(made.size()) - (first_time ? 1 : 0);
   if (change != 0) outstanding_.fetch_add(change, std::memory_order_relaxed);
-  charge(me, me.stats.shade_ns);
+  charge(me, Activity::shade, me.stats.shade_ns);
   for (Task* child : made) {
     put(me, *child);
-    charge(me, me.stats.add_ns, &me.stats.adds);
+    charge(me, Activity::add, me.stats.add_ns, &me.stats.adds);
   }
   me.stats.added += made.size();
+  log(me.index, {.begin = taken, .end = me.mark, .activity = Activity::task, .kind = kind});
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::answer(Worker& me, const Task& task, TaskSink& children) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::answer(Worker& me, const Task& task,
+                                                  TaskSink& children) {
   ++me.stats.tasks;
   me.stats.rays[static_cast<std::size_t>(task.kind)] += task.rays.size;
   TraceProfile* profile = nullptr;
@@ -265,18 +280,18 @@ void QueueEngine<Queue, measured>::answer(Worker& me, const Task& task, TaskSink
   }
   std::uint64_t& trace_time = profile != nullptr ? me.stats.profiled_ns : me.stats.trace_ns;
   trace_and_shade(task, accelerator_, *application_, me.answers, children, profile,
-                  [&] { charge(me, trace_time); });
+                  [&] { charge(me, Activity::trace, trace_time); });
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::discard(TaskSink& tasks, unsigned worker) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::discard(TaskSink& tasks, unsigned worker) {
   std::vector<Task*>& made = tasks.finish();
   for (Task* task : made) pool_.recycle(worker, *task);
   made.clear();
 }
 
-template <class Queue, bool measured>
-bool QueueEngine<Queue, measured>::tasks_are_lost(LossWatch& watch) {
+template <class Queue, bool measured, bool traced>
+bool QueueEngine<Queue, measured, traced>::tasks_are_lost(LossWatch& watch) {
   using namespace std::chrono_literals;
   // Relaxed: looks are repeated over seconds, and a wrong one only starts the watch anew.
   bool all_idle = true;
@@ -293,8 +308,8 @@ bool QueueEngine<Queue, measured>::tasks_are_lost(LossWatch& watch) {
   return watch.quiet > 2s;
 }
 
-template <class Queue, bool measured>
-FrameStats QueueEngine<Queue, measured>::run(Application& application) {
+template <class Queue, bool measured, bool traced>
+FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
   pool_.level();
   for (auto& worker : workers_) worker->stats = {};
   error_ = nullptr;
@@ -317,6 +332,7 @@ FrameStats QueueEngine<Queue, measured>::run(Application& application) {
     put(*workers_[i % workers_.size()], *tasks[i]);  // round-robin, as LOCAL wants it (7.2)
   }
   const Clock::time_point generated = Clock::now();
+  frame_begin_ = generated;
   barrier_.arrive_and_wait();  // releases the render threads
   barrier_.arrive_and_wait();  // the frame is finished
   const Clock::time_point rendered = Clock::now();
@@ -328,17 +344,27 @@ FrameStats QueueEngine<Queue, measured>::run(Application& application) {
   using Seconds = std::chrono::duration<double>;
   frame.generate_s = Seconds(generated - begin).count();
   frame.render_s = Seconds(rendered - generated).count();
-  frame.output_s = Seconds(Clock::now() - collected).count();
+  const Clock::time_point done = Clock::now();
+  frame.output_s = Seconds(done - collected).count();
+  const std::size_t row = workers_.size();
+  log(row, {.begin = begin, .end = generated, .activity = Activity::generate});
+  log(row, {.begin = generated, .end = rendered, .activity = Activity::render});
+  log(row, {.begin = collected, .end = done, .activity = Activity::output});
+  log(row, {.begin = begin, .end = done, .activity = Activity::frame});
   return frame;
 }
 
-template <class Queue, bool measured>
-void QueueEngine<Queue, measured>::collect(FrameStats& frame, Clock::time_point finished) {
+template <class Queue, bool measured, bool traced>
+void QueueEngine<Queue, measured, traced>::collect(FrameStats& frame, Clock::time_point finished) {
   if constexpr (measured) {
-    for (auto& worker : workers_) worker->stats.barrier_ns = nanoseconds(worker->mark, finished);
+    for (auto& worker : workers_) {
+      worker->stats.barrier_ns = nanoseconds(worker->mark, finished);
+      log(worker->index, {.begin = worker->mark, .end = finished, .activity = Activity::barrier});
+    }
   }
   if (tasks_in_use() != 0) {
     // A queue may have answered *empty* for tasks that were not visible yet. Now they are.
+    frame_begin_ = finished;
     for (auto& worker : workers_) work(*worker, Termination::leave_when_empty);
   }
   frame.lost = tasks_in_use();

@@ -118,6 +118,12 @@ TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--task-system", "tbb", "--termination", "leave-when-empty"},
                   "--task-system queue");
   expect_one_line({"compare", "--bvh", "wide,waldd"}, "wald");
+  expect_one_line({"compare", "--shard", "4/4"}, "0 to n - 1");
+  expect_one_line({"compare", "--shard", "0"}, "0/4");
+  expect_one_line({"compare", "--shard", "2/3", "--threads", "1,2"}, "nothing is left");
+  expect_one_line({"render", "--trace", "/tmp/t.json", "--plain"}, "--plain");
+  expect_one_line({"render", "--trace", "/tmp/t.json", "--task-system", "tbb"},
+                  "--task-system queue");
   expect_one_line({"render", "--plugin", "/no/such.so"}, "/no/such.so");
   expect_one_line({"render", "--plugin", IRT_FRAMES}, IRT_FRAMES);
   expect_one_line({"compare", "--threads", "1,0"}, "1 to 1024");
@@ -297,6 +303,30 @@ TEST_F(CompareTest, EveryChoiceMayBeAListAndBecomesRows) {
   Tool other({"compare", "--resume", "--out", out, "--bvh", "wide"});
   EXPECT_EQ(other.wait(), 2);
   EXPECT_NE(other.err().find("bvh: [\"wide\",\"wald\"] before"), std::string::npos) << other.err();
+}
+
+TEST_F(CompareTest, ShardsShareTheSweepAndQueuesStayTogether) {
+  std::set<std::string> measured;
+  for (const std::string shard : {"0/2", "1/2"}) {
+    const std::string place = out.string() + shard.front();
+    Tool tool({"compare", "--scene", "office", "--size", "32x32", "--queue", "lock,local",
+               "--threads", "1,2,3", "--task-size", "16,256", "--repetitions", "2", "--frames", "1",
+               "--shard", shard, "--out", place});
+    EXPECT_EQ(tool.wait(), 0) << tool.err();
+    std::set<std::string> cells;
+    for (const auto& run : json_of(std::filesystem::path(place) / "compare.json")) {
+      const std::string cell = run["task_size"].dump() + " " + run["threads"].dump();
+      cells.insert(cell);
+      EXPECT_TRUE(measured.insert(run["queue"].dump() + cell).second);
+      EXPECT_EQ(run["fps_samples"].size(), 2u);
+      EXPECT_LE(run["fps_low"], run["fps_high"]);
+    }
+    EXPECT_EQ(cells.size(), 3u);
+    Tool other({"compare", "--resume", "--out", place, "--shard", "0/3"});
+    EXPECT_EQ(other.wait(), 2);
+    EXPECT_NE(other.err().find("shard"), std::string::npos) << other.err();
+  }
+  EXPECT_EQ(measured.size(), 12u);
 }
 
 TEST_F(CompareTest, AMovingSceneGivesTheSameFramesHoweverTheTreeFollows) {

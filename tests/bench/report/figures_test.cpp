@@ -137,6 +137,17 @@ TEST_F(FiguresTest, NoLineHasTwoPointsAtOnePlace) {
   }
 }
 
+TEST_F(FiguresTest, SingleOperationsStandBesideEachOtherByWhatTheyDo) {
+  std::ofstream(directory_ / "micro.json") << synthetic::micro(
+      {"lock/push", "lfree/push", "lock/pop/threads:2", "BM_copy/8", "BM_copy<int>", "alone"});
+  const std::vector<std::filesystem::path> places{directory_ / "micro.json"};
+  const auto panels = panels_of(read_results(places));
+  EXPECT_EQ(names(panel(panels, "push")), (Names{"lock", "lfree"}));
+  EXPECT_EQ(names(panel(panels, "pop")), (Names{"lock/threads:2"}));
+  EXPECT_EQ(names(panel(panels, "BM_copy")), (Names{"8", "int"}));
+  EXPECT_EQ(names(panel(panels, "alone")), (Names{"alone"}));
+}
+
 TEST_F(FiguresTest, EveryFactStandsBesideAFigure) {
   const auto panels = panels_of(read(synthetic::sweep({"lock"}, {1, 2})));
   std::string said;
