@@ -128,7 +128,8 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"barrier_wait_ms", per(sum.barrier_s * 1e3, frames * sum.threads)},
       {"idle_ms", per(sum.idle_s * 1e3, frames * sum.threads)},
       {"imbalance", per(sum.imbalance, frames)},
-      {"work_ns", of_queue(per((sum.trace_s + sum.shade_s) * 1e9, static_cast<double>(sum.tasks)))},
+      {"work_per_task_ns",
+       of_queue(per((sum.trace_s + sum.shade_s) * 1e9, static_cast<double>(sum.tasks)))},
       // Of a scene that moves: per frame, and in which share of the frames the tree was rebuilt.
       {"pose_ms", of_motion(per(sum.pose_s * 1e3, frames))},
       {"update_ms", of_motion(per(sum.update_s * 1e3, frames))},

@@ -22,10 +22,10 @@ struct Background {
 /// One object per workload, queue and number of threads, in the order of their first samples;
 /// `backgrounds` are those of the workloads. Speeds are medians over all frames, with quartiles,
 /// and with the 95 % interval of the mean of `fps_samples`, the medians of the repetitions;
-/// `work_ns` is the mean time of tracing and shading a task, what is done between pop and pushes;
-/// `speed_up` is against the workload's fastest run with one thread and null without one. Times of
-/// the queue are per task, in medians, 99th percentiles and means, with the cost of the clock taken
-/// off, and null where there is no queue.
+/// `work_per_task_ns` is the mean time of tracing and shading a task, what is done between pop and
+/// pushes; `speed_up` is against the workload's fastest run with one thread and null without one.
+/// Times of the queue are per task, in medians, 99th percentiles and means, with the cost of the
+/// clock taken off, and null where there is no queue.
 nlohmann::ordered_json summarise(std::span<const Sample> samples,
                                  std::span<const Background> backgrounds);
 

@@ -40,9 +40,6 @@ std::string operation_mix(const Run& run) {
 std::string work(const Run& run) {
   const auto ns = run.number("work_ns"), took = run.number("work_ns_measured");
   if (!ns) return not_recorded;
-  if (run.family == Family::frames) {
-    return fmt::format("{:.{}f} us of tracing and shading per task", *ns / 1e3, *ns < 1e4 ? 1 : 0);
-  }
   return took ? fmt::format("{:.4g} ns asked, {:.4g} ns measured", *ns, *took)
               : fmt::format("{:.4g} ns", *ns);
 }
@@ -109,6 +106,17 @@ std::string distinct(std::span<const std::size_t> runs,
   return text;
 }
 
+// What tasks of the renderer take, which is measured and so differs from run to run.
+std::string work_in_tasks(const Results& results, std::span<const std::size_t> runs) {
+  std::vector<double> times;
+  for (const std::size_t run : runs) {
+    if (const auto ns = results.runs[run].number("work_per_task_ns")) times.push_back(*ns / 1e3);
+  }
+  if (times.empty()) return not_recorded;
+  const auto [least, most] = std::ranges::minmax(times);
+  return fmt::format("{:.1f} to {:.1f} us of tracing and shading per task", least, most);
+}
+
 // The least and the most of the operations that failed.
 std::string failed_operations(const Results& results, std::span<const std::size_t> runs) {
   struct Kind {
@@ -144,6 +152,8 @@ std::string status(const Results& results, std::span<const std::size_t> runs) {
   return troubles.empty() ? "ok" : fmt::format("{}", fmt::join(troubles, "; "));
 }
 
+constexpr const char* work_title = "work between operations";
+
 }  // namespace
 
 std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> runs) {
@@ -155,7 +165,7 @@ std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> 
   constexpr Named named[] = {
       {"source", [](const Run& run, const Json&) { return source(run); }},
       {"operation mix", [](const Run& run, const Json&) { return operation_mix(run); }},
-      {"work between operations", [](const Run& run, const Json&) { return work(run); }},
+      {work_title, [](const Run& run, const Json&) { return work(run); }},
       {"placement", [](const Run& run, const Json&) { return placement(run); }},
       {"SMT", [](const Run&, const Json& at) { return smt(at); }},
       {"governor", [](const Run&, const Json& at) { return shown(at, "governor"); }},
@@ -168,8 +178,13 @@ std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> 
        }},
       {"commit", [](const Run&, const Json& at) { return shown(at, "commit"); }},
   };
+  const bool frames = results.runs[runs.front()].family == Family::frames;
   std::vector<Fact> facts;
   for (const Named& one : named) {
+    if (frames && one.name == work_title) {
+      facts.push_back({work_title, work_in_tasks(results, runs)});
+      continue;
+    }
     facts.push_back({one.name, distinct(runs, [&](std::size_t index) {
                        const Run& run = results.runs[index];
                        return one.value(run, results.environments[run.environment]);

@@ -16,7 +16,8 @@ struct Fact {
   std::string name, value;
 };
 
-/// What is said once beneath a figure: each fact with every value that its runs have.
+/// What is said once beneath a figure of at least one run: each fact with every value that its runs
+/// have.
 std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> runs);
 
 /// What is said of each series of a figure: ordering, progress, bound, reclaimer, allocator, failed

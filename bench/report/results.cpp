@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -78,7 +79,8 @@ class Collector {
   static bool superseded(const fs::path& file, const std::vector<fs::path>& beside) {
     if (file.extension() != ".jsonl") return false;
     std::error_code error;
-    const auto written = fs::last_write_time(file, error);
+    // Copies of both are written in any order, a moment apart.
+    const auto written = fs::last_write_time(file, error) - std::chrono::seconds(2);
     return std::ranges::any_of(beside, [&](const fs::path& other) {
       return other.extension() == ".json" && other.parent_path() == file.parent_path() &&
              fs::last_write_time(other, error) >= written;

@@ -36,7 +36,7 @@ constexpr Column frame_columns[] = {
     {"idle_ms", "idle [ms]"},
     {"barrier_wait_ms", "barrier [ms]"},
     {"imbalance", "imbalance"},
-    {"work_ns", "work per task [ns]"},
+    {"work_per_task_ns", "work per task [ns]"},
     {"repetitions", "repetitions"},
 };
 constexpr Column operation_columns[] = {

@@ -119,6 +119,15 @@ TEST_F(ReadingTest, ShardsMergeAndWhatIsThereTwiceCountsOnce) {
   }));
 }
 
+TEST_F(ReadingTest, TheSpeedUpOfAShardIsTakenFromTheOthers) {
+  Json first =
+      Json::array({synthetic::frames("lock", 1, 256, 9), synthetic::frames("lfree", 1, 256, 10)});
+  Json second = Json::array({synthetic::frames("lock", 4, 256, 30)});
+  second[0]["speed_up"] = nullptr;
+  const Results results = read({write("1.json", first.dump()), write("2.json", second.dump())});
+  EXPECT_EQ(results.runs[2].number("speed_up"), 3);
+}
+
 TEST_F(ReadingTest, OtherConditionsAreAnotherEnvironmentAndSaidSo) {
   Json here = synthetic::sweep({"lock"}, {1, 2}), there = here;
   for (Json& run : there) run["conditions"]["governor"] = "powersave";
