@@ -1,7 +1,9 @@
 #include "bench/frames/summary.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fmt/format.h>
+#include <gnu/libc-version.h>
 
 #include "bench/frames/mean_interval.hpp"
 
@@ -64,6 +66,12 @@ TimeHistogram histogram(const std::vector<std::uint64_t>& counts) {
 template <class T>
 Json or_null(const T& chosen) {
   return chosen == T() ? Json() : Json(chosen);
+}
+
+std::string allocator() {
+  const char* preloaded = std::getenv("LD_PRELOAD");
+  return fmt::format("glibc {}{}", gnu_get_libc_version(),
+                     preloaded == nullptr ? "" : fmt::format(", preloaded: {}", preloaded));
 }
 
 Json run_of(const Group& group, const Background& background, double one_thread_fps) {
@@ -145,6 +153,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"share_queue", of_queue(share(sum.get_s + sum.add_s, threads_s))},
       {"share_waiting", share(sum.idle_s + sum.barrier_s, threads_s)},
       {"clock_ns", clock_cost_ns()},
+      {"allocator", allocator()},
       {"lost_tasks", sum.lost},
       {"doubled_tasks", sum.doubled},
       {"image_hash", sum.image_hash},

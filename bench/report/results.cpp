@@ -10,8 +10,10 @@
 #include <system_error>
 #include <utility>
 
+#include "bench/report/claims.hpp"
 #include "bench/report/formats.hpp"
 #include "queues/nearest.hpp"
+#include "queues/registry.hpp"
 
 namespace irt {
 namespace {
@@ -69,6 +71,7 @@ class Collector {
   Results finish() {
     drop_duplicates();
     complete_speed_ups();
+    complete_claims();
     note_environments();
     note_failures();
     return std::move(results_);
@@ -207,6 +210,18 @@ class Collector {
       if (base != one_thread.end() && base->second > 0 && fps) {
         run.fields["speed_up"] = *fps / base->second;
       }
+    }
+  }
+
+  // Not every tool writes what a queue claims. It stands in the queue's source.
+  void complete_claims() {
+    const QueueRegistry queues;
+    for (Run& run : results_.runs) {
+      const QueueEntry* queue = queues.find(run.text("queue"));
+      if (queue == nullptr || (run.fields.contains("claims") && run.fields["claims"].is_object())) {
+        continue;
+      }
+      run.fields["claims"] = claims_for_report(queue->claims);
     }
   }
 

@@ -128,6 +128,15 @@ TEST_F(ReadingTest, TheSpeedUpOfAShardIsTakenFromTheOthers) {
   EXPECT_EQ(results.runs[2].number("speed_up"), 3);
 }
 
+TEST_F(ReadingTest, ClaimsThatAToolDoesNotWriteAreTheQueuesOwn) {
+  const Results results = read({write("a.json", Json::array({synthetic::frames("lfree", 1, 256, 9),
+                                                             synthetic::frames("mine", 1, 256, 9)})
+                                                    .dump())});
+  EXPECT_EQ(results.runs[0].fields.at("claims").at("push"), "lock-free");
+  EXPECT_EQ(results.runs[0].fields.at("claims").at("reclamation"), "hazard pointers");
+  EXPECT_FALSE(results.runs[1].fields.contains("claims"));
+}
+
 TEST_F(ReadingTest, OtherConditionsAreAnotherEnvironmentAndSaidSo) {
   Json here = synthetic::sweep({"lock"}, {1, 2}), there = here;
   for (Json& run : there) run["conditions"]["governor"] = "powersave";
