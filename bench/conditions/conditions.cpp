@@ -62,4 +62,14 @@ nlohmann::json conditions(std::string_view pinning) {
   };
 }
 
+nlohmann::json lasting_conditions(const nlohmann::json& conditions) {
+  nlohmann::json kept;
+  for (const char* name :
+       {"cpu", "packages", "numa_nodes", "cores", "hardware_threads", "governor", "turbo",
+        "cpu_limit", "kernel", "compiler", "flags", "build_type", "commit", "pinning"}) {
+    if (conditions.contains(name)) kept[name] = conditions[name];
+  }
+  return kept;
+}
+
 }  // namespace irt

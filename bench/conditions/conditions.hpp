@@ -15,4 +15,7 @@ namespace irt {
 /// kernel, compiler, flags, build_type, commit, pinning.
 nlohmann::json conditions(std::string_view pinning = "none");
 
+/// Of all conditions, those that make figures incomparable when they change.
+nlohmann::json lasting_conditions(const nlohmann::json& conditions);
+
 }  // namespace irt

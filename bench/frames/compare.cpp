@@ -132,17 +132,6 @@ Plan plan_of(const Journal& journal, const CompareOptions& options, QueueRegistr
   return stored;
 }
 
-// Of all conditions, those that make figures incomparable when they change.
-nlohmann::json lasting(const nlohmann::json& conditions) {
-  nlohmann::json kept;
-  for (const char* name :
-       {"cpu", "packages", "numa_nodes", "cores", "hardware_threads", "governor", "turbo",
-        "cpu_limit", "kernel", "compiler", "flags", "build_type", "commit", "pinning"}) {
-    if (conditions.contains(name)) kept[name] = conditions[name];
-  }
-  return kept;
-}
-
 // Frames per repetition such that everything takes about `seconds`. `work` is what one frame of
 // each workload takes a single thread.
 void settle_length(Plan& plan, const std::vector<double>& work, double seconds) {
@@ -186,8 +175,8 @@ class Comparison {
     if (!options_.json.empty()) require_writable(options_.json);
     conditions_ = conditions(plan_.workloads.front().pin ? "one thread per core" : "none");
     if (journal_) {
-      const std::string difference =
-          first_difference(lasting(journal_->header().at("conditions")), lasting(conditions_));
+      const std::string difference = first_difference(
+          lasting_conditions(journal_->header().at("conditions")), lasting_conditions(conditions_));
       if (!difference.empty()) {
         throw UsageError(
             fmt::format("--resume: {}; figures taken under other conditions do not "

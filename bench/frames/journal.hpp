@@ -1,53 +1,34 @@
-/// What `compare` has measured so far: a file of JSON lines, written as the results come.
-///
-/// The first line says what is being measured, under which conditions; each further line is a
-/// sample. A process may be killed at any moment: only the line being written can be lost.
+/// What `compare` has measured so far: JSON lines of samples.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "bench/frames/json_lines.hpp"
 #include "bench/frames/sample.hpp"
 
 namespace irt {
 
 class Journal {
  public:
-  /// Begins a new file. One that is there is kept under the name `FILE.previous`. Throws
-  /// UsageError.
+  /// As those of `JsonLines`.
   static Journal begin(const std::filesystem::path& file, nlohmann::json header);
-
-  /// Opens a file to go on with it. A torn last line is cut off. Throws UsageError where the file
-  /// is missing or is no journal.
   static Journal resume(const std::filesystem::path& file);
 
   /// Writes `sample` through to the operating system. Throws UsageError.
   void add(const Sample& sample);
 
-  const nlohmann::json& header() const { return header_; }
+  const nlohmann::json& header() const { return lines_.header(); }
   const std::vector<Sample>& samples() const { return samples_; }
   bool has(unsigned workload, std::string_view queue, unsigned threads, unsigned repetition) const;
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
+  Journal(JsonLines lines, std::vector<Sample> samples)
+      : lines_(std::move(lines)), samples_(std::move(samples)) {}
 
-  explicit Journal(std::filesystem::path path) : path_(std::move(path)) {}
-  void open(const char* mode);
-  void write(const nlohmann::json& line);
-
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, Close> file_;
-  nlohmann::json header_;
+  JsonLines lines_;
   std::vector<Sample> samples_;
 };
-
-/// Where two headers differ in what must not differ between samples that are reported together: the
-/// name of the first such field with both values, or nothing.
-std::string first_difference(const nlohmann::json& stored, const nlohmann::json& now);
 
 }  // namespace irt
