@@ -1,0 +1,181 @@
+#include "bench/contention/compare.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <set>
+
+#include "bench/conditions/conditions.hpp"
+#include "bench/contention/statistics.hpp"
+#include "bench/frames/json_lines.hpp"
+#include "bench/frames/text_files.hpp"
+#include "bench/frames/usage_error.hpp"
+#include "queues/nearest.hpp"
+
+namespace irt::contention {
+namespace {
+
+using nlohmann::json;
+
+/// In which runs must agree to be compared; the queue comes on top.
+constexpr std::array settings{"scenario", "producers", "consumers", "threads",
+                              "work_ns",  "capacity",  "placement"};
+
+bool same_settings(const json& a, const json& b) {
+  return std::ranges::all_of(
+      settings, [&](const char* key) { return a.value(key, json()) == b.value(key, json()); });
+}
+
+json read_runs(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) {
+    throw UsageError(
+        fmt::format("{}: cannot be read; name the contention.json of a sweep", file.string()));
+  }
+  json runs = json::parse(in, nullptr, false);
+  if (!runs.is_array()) {
+    throw UsageError(
+        fmt::format("{}: is no list of runs; name the contention.json of a sweep", file.string()));
+  }
+  json kept = json::array();
+  for (json& run : runs) {
+    const bool measured = run.is_object() && run.value("kind", "") == "contention" &&
+                          run.contains("samples") && run.value("queue", json()).is_string();
+    if (measured) kept.push_back(std::move(run));
+  }
+  if (kept.empty()) {
+    throw UsageError(fmt::format("{}: has no run of irt bench contention", file.string()));
+  }
+  return kept;
+}
+
+void require_queue(const std::string& name, const json& runs) {
+  std::set<std::string> there;
+  for (const json& run : runs) there.insert(run["queue"].get<std::string>());
+  if (there.contains(name)) return;
+  const std::vector<std::string_view> names(there.begin(), there.end());
+  throw UsageError(unknown_name("queue", name, names));
+}
+
+std::vector<double> samples_of(const json& run) {
+  try {
+    return run["samples"].get<std::vector<double>>();
+  } catch (const json::exception&) {
+    throw UsageError(
+        fmt::format("samples of queue {}: must be numbers, as irt bench contention "
+                    "writes them",
+                    run["queue"].dump()));
+  }
+}
+
+nlohmann::ordered_json compared(const json& before, const json& after) {
+  const std::vector<double> a = samples_of(before), b = samples_of(after);
+  nlohmann::ordered_json line;
+  line["queue"] = before["queue"];
+  if (after["queue"] != before["queue"]) line["against"] = after["queue"];
+  for (const char* key : settings) line[key] = before.value(key, json());
+  line["repetitions"] = {a.size(), b.size()};
+  if (a.empty() || b.empty()) {
+    line["verdict"] = words(Verdict::too_few);
+    return line;
+  }
+  const Ratio factor = ratio(a, b);
+  line["median_before"] = median(a);
+  line["median_after"] = median(b);
+  line["ratio"] = factor.of_medians;
+  line["ratio_low"] = factor.interval ? json(factor.interval->low) : json();
+  line["ratio_high"] = factor.interval ? json(factor.interval->high) : json();
+  line["p"] = mann_whitney(a, b).p;
+  line["verdict"] = words(judge(a, b));
+  return line;
+}
+
+std::string line_of(const nlohmann::ordered_json& one) {
+  const auto text = [&](const char* key) {
+    return one[key].is_string() ? one[key].get<std::string>() : one[key].dump();
+  };
+  std::string line =
+      fmt::format("{:<20} {:<20} {:>3} threads {:>5} ns  {:<24} ",
+                  one.contains("against") ? text("queue") + " > " + text("against") : text("queue"),
+                  text("scenario"), text("threads"), text("work_ns"), text("placement"));
+  if (one.contains("ratio")) {
+    std::string interval = "no interval";
+    if (!one["ratio_low"].is_null()) {
+      interval = fmt::format("{:.3f} to {:.3f}", one["ratio_low"].get<double>(),
+                             one["ratio_high"].get<double>());
+    }
+    line += fmt::format("{:.3f} ({})  p {:.4f}  ", one["ratio"].get<double>(), interval,
+                        one["p"].get<double>());
+  }
+  return line + text("verdict");
+}
+
+/// What has changed between the two beside what is compared.
+std::vector<std::string> changed_conditions(const json& before, const json& after) {
+  std::vector<std::string> lines;
+  const json a = before[0].value("conditions", json::object()),
+             b = after[0].value("conditions", json::object());
+  for (const auto& [key, value] : lasting_conditions(a).items()) {
+    if (key == "pinning") continue;  // part of the settings of each run
+    const json now = b.value(key, json());
+    if (now != value)
+      lines.push_back(fmt::format("{}: {}, then {}", key, value.dump(), now.dump()));
+  }
+  return lines;
+}
+
+}  // namespace
+
+nlohmann::ordered_json compare_runs(const json& before, const json& after,
+                                    const std::vector<std::string>& queues) {
+  auto lines = nlohmann::ordered_json::array();
+  for (const json& one : before) {
+    if (!queues.empty() && one["queue"] != queues[0]) continue;
+    const auto other = std::ranges::find_if(after, [&](const json& candidate) {
+      return candidate["queue"] == (queues.empty() ? one["queue"] : json(queues[1])) &&
+             same_settings(one, candidate);
+    });
+    if (other != after.end()) lines.push_back(compared(one, *other));
+  }
+  return lines;
+}
+
+int compare(const CompareOptions& options) {
+  const bool one_file = options.files.size() == 1;
+  if (one_file && options.queues.empty()) {
+    throw UsageError(
+        fmt::format("{}: nothing to compare it with; name a second file, or two queues "
+                    "of this one by --queues",
+                    options.files[0].string()));
+  }
+  if (!options.queues.empty() && options.queues.size() != 2) {
+    throw UsageError(
+        fmt::format("--queues: {} given; it takes two, as lock,lfree", options.queues.size()));
+  }
+  const json before = read_runs(options.files[0]);
+  const json after = one_file ? before : read_runs(options.files[1]);
+  if (!options.queues.empty()) {
+    require_queue(options.queues[0], before);
+    require_queue(options.queues[1], after);
+  }
+  if (!options.json.empty()) require_writable(options.json);
+  const auto lines = compare_runs(before, after, options.queues);
+  if (lines.empty()) {
+    throw UsageError(
+        "no run of the first has a counterpart in the second: they differ in queue, "
+        "scenario, threads, work, capacity or placement");
+  }
+  for (const auto& line : lines) fmt::print("{}\n", line_of(line));
+  fmt::print(
+      "\n{} of {} and {} runs compared: the second's rate over the first's, ratio of medians "
+      "(95% interval by Moses), p of the Mann-Whitney test; at the level of 5%, one "
+      "comparison of 20 between equals is called different by chance\n",
+      lines.size(), before.size(), after.size());
+  for (const std::string& line : changed_conditions(before, after)) {
+    fmt::print("note: {}\n", line);
+  }
+  if (!options.json.empty()) write_text(options.json, lines.dump(2) + '\n');
+  return 0;
+}
+
+}  // namespace irt::contention

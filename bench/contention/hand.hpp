@@ -1,0 +1,120 @@
+/// The operations of one thread on one queue, as the programs use them: counted, and stamped where
+/// latency is measured.
+#pragma once
+
+#include "bench/contention/seat.hpp"
+#include "stress/history/clock.hpp"
+
+namespace irt::contention {
+
+/// The queue's concrete type, so that its operations can be inlined as in a program that uses it.
+/// Counts are kept in registers and published by a plain store each.
+template <class Queue, bool stamped>
+class Hand {
+ public:
+  Hand(Queue& queue, Seat& seat)
+      : queue_(queue), seat_(seat), counts_(seat.table.counts[seat.worker]), worker_(seat.worker) {}
+  Hand(const Hand&) = delete;
+  Hand& operator=(const Hand&) = delete;
+  ~Hand() {
+    seat_.in += in_;
+    seat_.out += out_;
+  }
+
+  bool running() const { return !seat_.table.stop.load(std::memory_order_relaxed); }
+
+  /// Pushes `element`; false for *full*.
+  bool push(std::uint64_t element) {
+    if constexpr (stamped) {
+      const std::uint64_t begin = stress::stamp_before();
+      const bool accepted = queue_.push(worker_, element);
+      const std::uint64_t end = stress::stamp_after();
+      if (accepted) seat_.push_times.record(end - begin);
+      return pushed(accepted, element);
+    }
+    return pushed(queue_.push(worker_, element), element);
+  }
+
+  /// Pops into `element`; false for *empty*.
+  bool pop(std::uint64_t& element) {
+    if constexpr (stamped) {
+      const std::uint64_t begin = stress::stamp_before();
+      const bool found = queue_.pop(worker_, element);
+      const std::uint64_t end = stress::stamp_after();
+      if (found) seat_.pop_times.record(end - begin);
+      return popped(found, element);
+    }
+    return popped(queue_.pop(worker_, element), element);
+  }
+
+  /// Tries until it succeeds; false where the measurement ends before.
+  bool push_until_accepted(std::uint64_t element) {
+    while (running()) {
+      if (push(element)) return true;
+    }
+    return false;
+  }
+  bool pop_until_found(std::uint64_t& element) {
+    while (running()) {
+      if (pop(element)) return true;
+    }
+    return false;
+  }
+
+  /// An element that no other push of the measurement brings.
+  std::uint64_t fresh() const { return (std::uint64_t{worker_ + 1} << 40) | pushes_; }
+
+  /// The work between operations.
+  void work() { busy_wait(seat_.work.next()); }
+
+  std::uint64_t random(std::uint64_t bound) { return next_random(seat_.random) % bound; }
+  Seat& seat() { return seat_; }
+
+  /// Waits while the queue holds more than `backlog` elements, or an unbounded queue would grow as
+  /// long as producers are faster than consumers. Looks at the others' counts every 64 pushes, from
+  /// afar enough not to disturb them.
+  void let_consumers_catch_up() {
+    if (pushes_ % 64 != 0) return;
+    while (running() && inside() > seat_.table.backlog) {
+      counts_.held_back.store(++held_back_, std::memory_order_relaxed);
+      busy_wait(seat_.table.pause_steps);
+    }
+  }
+
+ private:
+  bool pushed(bool accepted, std::uint64_t element) {
+    if (accepted) {
+      counts_.pushes.store(++pushes_, std::memory_order_relaxed);
+      in_ += element;
+    } else {
+      counts_.failed_pushes.store(++failed_pushes_, std::memory_order_relaxed);
+    }
+    return accepted;
+  }
+  bool popped(bool found, std::uint64_t element) {
+    if (found) {
+      counts_.pops.store(++pops_, std::memory_order_relaxed);
+      out_ += element;
+    } else {
+      counts_.failed_pops.store(++failed_pops_, std::memory_order_relaxed);
+    }
+    return found;
+  }
+  std::uint64_t inside() const {
+    std::uint64_t pushes = 0, pops = 0;
+    for (const Counts& one : seat_.table.counts) {
+      pops += one.pops.load(std::memory_order_relaxed);
+      pushes += one.pushes.load(std::memory_order_relaxed);
+    }
+    return pushes > pops ? pushes - pops : 0;
+  }
+
+  Queue& queue_;
+  Seat& seat_;
+  Counts& counts_;
+  unsigned worker_;
+  std::uint64_t pushes_ = 0, pops_ = 0, failed_pushes_ = 0, failed_pops_ = 0, held_back_ = 0;
+  std::uint64_t in_ = 0, out_ = 0;
+};
+
+}  // namespace irt::contention

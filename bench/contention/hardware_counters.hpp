@@ -1,0 +1,44 @@
+/// The processor's event counters, where the system lets this process read them.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace irt::contention {
+
+/// Counts the events of all threads that are started after it was made, through perf_event_open(2):
+/// instructions, cycles, cache_references and cache_misses (as the processor's maker understands
+/// them, usually of the last level), l1d_read_misses, branch_misses.
+class HardwareCounters {
+ public:
+  HardwareCounters();
+  HardwareCounters(const HardwareCounters&) = delete;
+  HardwareCounters& operator=(const HardwareCounters&) = delete;
+  ~HardwareCounters();
+
+  /// Why there is nothing to read; empty where there is.
+  const std::string& missing() const { return missing_; }
+  void start();
+  /// By name, since `start()`; null where nothing can be read. Where the processor has fewer
+  /// counters than there are events, each is scaled up by the share of time it was counted.
+  nlohmann::json read() const;
+
+ private:
+  struct Reading {
+    std::uint64_t value = 0, enabled = 0, running = 0;
+  };
+  struct Counter {
+    std::string_view name;
+    int descriptor = -1;
+    Reading begin;
+  };
+  static Reading read(int descriptor);
+
+  std::vector<Counter> counters_;
+  std::string missing_;
+};
+
+}  // namespace irt::contention

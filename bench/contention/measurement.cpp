@@ -1,0 +1,313 @@
+#include "bench/contention/measurement.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <thread>
+
+#include "bench/contention/hardware_counters.hpp"
+#include "bench/contention/placement.hpp"
+#include "bench/contention/resources.hpp"
+
+namespace irt::contention {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+double since(Clock::time_point begin) {
+  return Seconds(Clock::now() - begin).count();
+}
+
+/// What all threads have done at one moment.
+struct Snapshot {
+  Clock::time_point at;
+  Sample sums;
+  std::vector<std::uint64_t> operations;  ///< by thread
+};
+
+Snapshot look(const Table& table) {
+  Snapshot now;
+  now.operations.reserve(table.counts.size());
+  now.at = Clock::now();
+  for (const Counts& one : table.counts) {
+    const std::uint64_t pushes = one.pushes.load(std::memory_order_relaxed);
+    const std::uint64_t pops = one.pops.load(std::memory_order_relaxed);
+    now.operations.push_back(pushes + pops);
+    now.sums.pushes += pushes;
+    now.sums.pops += pops;
+    now.sums.failed_pushes += one.failed_pushes.load(std::memory_order_relaxed);
+    now.sums.failed_pops += one.failed_pops.load(std::memory_order_relaxed);
+    now.sums.held_back += one.held_back.load(std::memory_order_relaxed);
+  }
+  return now;
+}
+
+/// Standard deviation over mean; infinite where nothing happened.
+double variation(std::span<const double> values) {
+  const double n = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return mean > 0 ? std::sqrt(squares / (n - 1)) / mean : std::numeric_limits<double>::infinity();
+}
+
+/// Least over most operations of a thread, among those with the same part.
+double fairness(const Cast& cast, const std::vector<std::uint64_t>& operations) {
+  const auto within = [&](std::size_t from, std::size_t to) {
+    if (from >= to) return 1.0;
+    const auto [least, most] = std::minmax_element(operations.begin() + static_cast<long>(from),
+                                                   operations.begin() + static_cast<long>(to));
+    return *most == 0 ? 0 : static_cast<double>(*least) / static_cast<double>(*most);
+  };
+  if (cast.together()) return within(0, cast.threads);
+  return std::min(within(0, cast.producers), within(cast.producers, cast.threads));
+}
+
+class Measurement {
+ public:
+  Measurement(const Job& job, const SubjectMaker& make)
+      : job_(job),
+        scenario_(*scenario_at(job.scenario).scenario),
+        table_(Cast{job.threads, job.producers, job.consumers}) {
+    table_.backlog = job.capacity;
+    table_.pause_steps = steps_for(1000, job.step_ns);
+    const Waits waits(steps_for(job.work_ns, job.step_ns), job.work_spread, 0);
+    std::uint64_t seed = job.seed;
+    for (unsigned i = 0; i < job.threads; ++i) {
+      const Waits own(steps_for(job.work_ns, job.step_ns), job.work_spread, next_random(seed));
+      seats_.push_back(std::make_unique<Seat>(table_, i, own, next_random(seed)));
+      seats_.back()->producer_pause_steps = steps_for(scenario_.producer_pause_ns, job.step_ns);
+    }
+    // The histograms and whatever else is ours is in place: what comes now is the queue's.
+    memory_.emplace();
+    subject_ = make(job.threads, job.capacity, scenario_.program == Program::ping_pong);
+  }
+
+  Sample run(const std::function<void(const Sample&)>& on_hang) {
+    prefill();
+    sample_.work_ns_measured =
+        job_.work_ns > 0 ? measure_wait_ns(steps_for(job_.work_ns, job_.step_ns)) : 0;
+    if (job_.latency) {
+      ticks_per_nanosecond_ = stress::calibrate().ticks_per_nanosecond;
+      sample_.clock_ns = measure_clock_ns(ticks_per_nanosecond_);
+    }
+    start();
+    warm_up();
+    timed();
+    table_.stop.store(true, std::memory_order_relaxed);
+    if (!stopped_in_time()) {
+      sample_.status = "hung";
+      sample_.message =
+          fmt::format("{} of {} threads did not stop within {} s", job_.threads - finished_.load(),
+                      job_.threads, job_.patience_seconds);
+      on_hang(sample_);
+    }
+    for (std::thread& thread : threads_) thread.join();
+    sample_.memory_peak_bytes = memory_->bytes();
+    if (job_.latency) {
+      sample_.push_times = times(&Seat::push_times);
+      sample_.pop_times = times(&Seat::pop_times);
+    }
+    if (job_.queue != no_queue) take_stock();
+    return sample_;
+  }
+
+ private:
+  void fail(const std::string& why) {
+    if (sample_.status != "ok") return;
+    sample_.status = "failed";
+    sample_.message = why;
+  }
+
+  // Every worker gets its share, for queues of which each worker has one.
+  void prefill() {
+    const auto wanted =
+        static_cast<std::uint64_t>(static_cast<double>(job_.capacity) * scenario_.prefill);
+    for (std::uint64_t i = 0; i < wanted; ++i) {
+      const std::uint64_t element = i + 1;
+      if (!subject_->push(static_cast<unsigned>(i % job_.threads), element)) {
+        fail(fmt::format("full after {} of {} elements, below its capacity", i, job_.capacity));
+        return;
+      }
+      ++prefilled_;
+      prefilled_sum_ += element;
+    }
+  }
+
+  void start() {
+    for (unsigned i = 0; i < job_.threads; ++i) {
+      threads_.emplace_back([this, i] { one_thread(i); });
+    }
+    while (present_.load(std::memory_order_relaxed) < job_.threads) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    // (1) release: pairs with (2), so that threads see the queue as it was made and filled
+    go_.store(true, std::memory_order_release);
+  }
+
+  void one_thread(unsigned i) {
+    if (!job_.processors.empty()) {
+      const std::string why = bind_to(job_.processors[i % job_.processors.size()]);
+      const std::lock_guard lock(complaints_mutex_);
+      if (!why.empty()) sample_.not_pinned = why;
+    }
+    present_.fetch_add(1, std::memory_order_relaxed);
+    // (2) acquire: pairs with (1)
+    while (!go_.load(std::memory_order_acquire)) std::this_thread::yield();
+    try {
+      subject_->run(scenario_.program, *seats_[i], job_.latency);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(complaints_mutex_);
+      fail(error.what());
+      table_.stop.store(true, std::memory_order_relaxed);
+      table_.gate.abandon();
+    }
+    // (3) release: pairs with (4), so that the coordinator may free what this thread used
+    finished_.fetch_add(1, std::memory_order_release);
+  }
+
+  void warm_up() {
+    constexpr std::chrono::milliseconds slice(10);
+    const Clock::time_point begin = Clock::now();
+    std::vector<double> rates;
+    Snapshot before = look(table_);
+    while (since(begin) < job_.warmup_seconds) {
+      std::this_thread::sleep_for(slice);
+      const Snapshot now = look(table_);
+      const double operations =
+          static_cast<double>(now.sums.operations() - before.sums.operations());
+      rates.push_back(operations / Seconds(now.at - before.at).count());
+      before = now;
+      if (rates.size() < steady_slices) continue;
+      sample_.variation = variation(std::span(rates).last(steady_slices));
+      const bool all_started = std::ranges::find(now.operations, 0U) == now.operations.end();
+      sample_.steady = all_started && sample_.variation < steady_variation;
+      if (sample_.steady) break;
+    }
+    if (!std::isfinite(sample_.variation)) sample_.variation = 0;  // which JSON does not know
+  }
+
+  void timed() {
+    const Usage usage = usage_so_far();
+    energy_.start();
+    counters_.start();
+    const Snapshot begin = look(table_);
+    std::this_thread::sleep_until(begin.at + Seconds(job_.seconds));
+    const Snapshot end = look(table_);
+    sample_.counters = counters_.read();
+    if (const auto joules = energy_.joules()) sample_.energy_joules = *joules;
+    const Usage now = usage_so_far();
+
+    sample_.seconds = Seconds(end.at - begin.at).count();
+    for (std::uint64_t Sample::*count : {&Sample::pushes, &Sample::pops, &Sample::failed_pushes,
+                                         &Sample::failed_pops, &Sample::held_back}) {
+      sample_.*count = end.sums.*count - begin.sums.*count;
+    }
+    std::vector<std::uint64_t> operations = end.operations;
+    for (std::size_t i = 0; i < operations.size(); ++i) operations[i] -= begin.operations[i];
+    sample_.fairness = fairness(table_.cast, operations);
+    sample_.cpu_seconds = now.cpu_seconds - usage.cpu_seconds;
+    sample_.context_switches = now.context_switches - usage.context_switches;
+    for (const std::string& why : {energy_.missing(), counters_.missing()}) {
+      if (!why.empty()) sample_.missing.push_back(why);
+    }
+  }
+
+  bool stopped_in_time() const {
+    const Clock::time_point begin = Clock::now();
+    // (4) acquire: pairs with (3)
+    while (finished_.load(std::memory_order_acquire) < job_.threads) {
+      if (since(begin) > job_.patience_seconds) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+  }
+
+  Times times(Histogram Seat::*which) const {
+    Histogram ticks;
+    for (const auto& seat : seats_) ticks.merge((*seat).*which);
+    const double per_tick = 1 / ticks_per_nanosecond_;
+    Histogram nanoseconds;
+    std::vector<std::pair<std::size_t, std::uint64_t>> converted;
+    const auto convert = [&](std::uint64_t value) {
+      return static_cast<std::uint64_t>(static_cast<double>(value) * per_tick + 0.5);
+    };
+    for (const auto& [index, count] : ticks.buckets()) {
+      const std::uint64_t value = std::min(Histogram::upper_end(index), ticks.max());
+      converted.emplace_back(Histogram::index_of(convert(value)), count);
+    }
+    nanoseconds.add(converted, convert(ticks.max()));
+    return {.buckets = nanoseconds.buckets(), .max = nanoseconds.max()};
+  }
+
+  // Everything that went in has come out or is still inside, once.
+  void take_stock() {
+    std::uint64_t in = prefilled_sum_, out = 0;
+    std::uint64_t pushes = prefilled_, pops = 0;
+    for (const auto& seat : seats_) {
+      in += seat->in;
+      out += seat->out;
+    }
+    const Snapshot end = look(table_);
+    pushes += end.sums.pushes;
+    pops += end.sums.pops;
+    std::uint64_t left = 0, element = 0;
+    for (bool found = true; found && pops + left <= pushes;) {
+      found = false;
+      for (unsigned worker = 0; worker < job_.threads; ++worker) {
+        if (pops + left > pushes || !subject_->pop(worker, element)) continue;
+        found = true;
+        ++left;
+        out += element;
+      }
+    }
+    if (pops + left != pushes || in != out) {
+      fail(fmt::format("{} elements went in; {} came out and {} were still inside{}", pushes, pops,
+                       left, pops + left == pushes ? ", but not the same ones" : ""));
+    }
+    if (sample_.operations() == 0) {
+      fail(fmt::format("no operation succeeded in {:.2f} s", sample_.seconds));
+    }
+  }
+
+  const Job& job_;
+  const Scenario& scenario_;
+  Table table_;
+  std::vector<std::unique_ptr<Seat>> seats_;
+  std::optional<MemoryPeak> memory_;
+  std::unique_ptr<Subject> subject_;
+  EnergyMeter energy_;
+  HardwareCounters counters_;
+  std::vector<std::thread> threads_;
+  std::atomic<unsigned> present_{0}, finished_{0};
+  std::atomic<bool> go_{false};
+  std::mutex complaints_mutex_;
+  std::uint64_t prefilled_ = 0, prefilled_sum_ = 0;
+  double ticks_per_nanosecond_ = 1;
+  Sample sample_;
+};
+
+}  // namespace
+
+Sample measure(const Job& job, const SubjectMaker& make,
+               const std::function<void(const Sample&)>& on_hang) {
+  return Measurement(job, make).run(on_hang);
+}
+
+double measure_clock_ns(double ticks_per_nanosecond) {
+  constexpr int readings = 2001;
+  std::vector<std::uint64_t> distances(readings);
+  for (std::uint64_t& distance : distances) {
+    const std::uint64_t begin = stress::stamp_before();
+    distance = stress::stamp_after() - begin;
+  }
+  std::ranges::nth_element(distances, distances.begin() + readings / 2);
+  return static_cast<double>(distances[readings / 2]) / ticks_per_nanosecond;
+}
+
+}  // namespace irt::contention

@@ -1,0 +1,140 @@
+#include "bench/contention/plan.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+#include "bench/contention/busy_wait.hpp"
+#include "bench/frames/usage_error.hpp"
+
+namespace irt::contention {
+namespace {
+
+// 1, 2, 4 ... and the number of processors itself; then twice as many.
+std::vector<unsigned> default_threads(unsigned processors) {
+  std::vector<unsigned> threads;
+  for (unsigned n = 1; n < processors; n *= 2) threads.push_back(n);
+  threads.push_back(processors);
+  threads.push_back(std::min(2 * processors, most_threads));
+  return threads;
+}
+
+template <class T>
+void drop_repeats(std::vector<T>& values) {
+  std::vector<T> once;
+  for (const T& value : values) {
+    if (std::ranges::find(once, value) == once.end()) once.push_back(value);
+  }
+  values = std::move(once);
+}
+
+}  // namespace
+
+void settle(Plan& plan, const QueueRegistry& queues, const Machine& machine) {
+  if (plan.queues.empty()) {
+    for (const QueueEntry& queue : queues.entries()) plan.queues.emplace_back(queue.name);
+  }
+  for (const std::string& name : plan.queues) queues.at(name);
+  for (const std::string& name : plan.scenarios) scenario_at(name);
+  for (const std::string& name : plan.placements) place(name, machine);
+  if (plan.threads.empty()) {
+    plan.threads = default_threads(static_cast<unsigned>(machine.processors.size()));
+  }
+  drop_repeats(plan.queues);
+  drop_repeats(plan.scenarios);
+  drop_repeats(plan.placements);
+  drop_repeats(plan.threads);
+  drop_repeats(plan.work);
+  drop_repeats(plan.capacities);
+  const unsigned most = *std::ranges::max_element(plan.threads);
+  for (const std::size_t capacity : plan.capacities) {
+    if (capacity < most) {
+      throw UsageError(fmt::format("--capacity {}: must hold an element of each of the {} threads",
+                                   capacity, most));
+    }
+  }
+}
+
+Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machine) {
+  Rows all;
+  std::set<std::string> left_out;
+  unsigned cells = 0;
+  const auto cell = [&](const Chosen& chosen, unsigned threads, double work, std::size_t capacity,
+                        const std::string& policy) {
+    const unsigned number = cells++;
+    if (number % plan.shards != plan.shard) return;
+    const Cast cast = chosen.cast(threads);
+    for (const std::string& name : plan.queues) {
+      const std::string why = obstacle(cast, queues.at(name).claims);
+      if (!why.empty()) {
+        left_out.insert(fmt::format("{} does not play {}: {}", name, chosen.name(), why));
+        continue;
+      }
+      all.rows.push_back({.cell = number,
+                          .queue = name,
+                          .scenario = chosen.name(),
+                          .cast = cast,
+                          .work_ns = work,
+                          .capacity = capacity,
+                          .placement = place(policy, machine),
+                          .oversubscribed = cast.threads > machine.processors.size()});
+    }
+  };
+  for (const std::string& name : plan.scenarios) {
+    const Chosen chosen = scenario_at(name);
+    std::vector<unsigned> threads = plan.threads;
+    if (chosen.fixed) threads = {chosen.fixed->threads};
+    std::set<unsigned> played;  // an odd number of threads may play as one less
+    for (const unsigned count : threads) {
+      if (count < chosen.scenario->least_threads) continue;
+      if (!played.insert(chosen.cast(count).threads).second) continue;
+      for (const double work : plan.work) {
+        for (const std::size_t capacity : plan.capacities) {
+          for (const std::string& policy : plan.placements) {
+            cell(chosen, count, work, capacity, policy);
+          }
+        }
+      }
+    }
+  }
+  all.left_out.assign(left_out.begin(), left_out.end());
+  return all;
+}
+
+Job job_of(const Plan& plan, const Row& row, unsigned repetition, double step_ns, bool latency) {
+  std::uint64_t seed = plan.seed + (std::uint64_t{row.cell} << 32) + repetition;
+  return {.queue = row.queue,
+          .scenario = row.scenario,
+          .producers = row.cast.producers,
+          .consumers = row.cast.consumers,
+          .threads = row.cast.threads,
+          .work_ns = row.work_ns,
+          .work_spread = plan.work_spread,
+          .step_ns = step_ns,
+          .capacity = row.capacity,
+          .processors = row.placement.processors,
+          .seconds = plan.seconds,
+          .warmup_seconds = plan.warmup,
+          .patience_seconds = plan.patience,
+          .latency = latency,
+          .seed = next_random(seed),
+          .plugins = plan.plugins};
+}
+
+std::vector<unsigned> order_of(const std::vector<Row>& rows, unsigned repetition,
+                               std::uint64_t seed) {
+  std::vector<unsigned> order(rows.size());
+  for (unsigned i = 0; i < order.size(); ++i) order[i] = i;
+  std::uint64_t random = seed * 1'000'003 + repetition;
+  for (std::size_t begin = 0; begin < rows.size();) {
+    std::size_t end = begin;
+    while (end < rows.size() && rows[end].cell == rows[begin].cell) ++end;
+    for (std::size_t left = end - begin; left > 1; --left) {  // Fisher and Yates
+      std::swap(order[begin + left - 1], order[begin + next_random(random) % left]);
+    }
+    begin = end;
+  }
+  return order;
+}
+
+}  // namespace irt::contention

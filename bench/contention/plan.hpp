@@ -1,0 +1,72 @@
+/// What a sweep measures, settled to the last choice.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/contention/job.hpp"
+#include "bench/contention/placement.hpp"
+#include "bench/contention/scenarios.hpp"
+#include "queues/registry.hpp"
+
+namespace irt::contention {
+
+/// Every combination of the lists is measured, as far as a queue's claims allow. Stands at the head
+/// of the journal.
+struct Plan {
+  std::vector<std::string> queues;  ///< empty: all
+  std::vector<std::string> scenarios{"pairs"};
+  std::vector<unsigned> threads;  ///< empty: 1, 2, 4 ... up to the processors, and twice as many
+  std::vector<double> work{100};  ///< nanoseconds between operations
+  std::vector<std::string> placements{"close"};
+  std::vector<std::size_t> capacities{65'536};
+  double work_spread = 0;
+  unsigned repetitions = 5;
+  double seconds = 0.2;  ///< the timed interval of a repetition
+  double warmup = 0.5;   ///< seconds that a warm-up takes at most
+  double patience = 5;   ///< seconds
+  bool latency = false;  ///< each repetition once more, with stamps
+  std::uint64_t seed = 1;
+  std::vector<std::string> plugins;
+  unsigned shard = 0, shards = 1;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, queues, scenarios, threads, work, placements, capacities,
+                                   work_spread, repetitions, seconds, warmup, patience, latency,
+                                   seed, plugins, shard, shards)
+
+/// A line of the results: one queue in one cell. Lines of a cell differ in the queue only.
+struct Row {
+  unsigned cell = 0;
+  std::string queue, scenario;
+  Cast cast;
+  double work_ns = 0;
+  std::size_t capacity = 0;
+  Placement placement;
+  bool oversubscribed = false;  ///< more threads than processors
+};
+
+/// Fills what is left open and checks everything. Throws UsageError or RegistryError.
+void settle(Plan& plan, const QueueRegistry& queues, const Machine& machine);
+
+struct Rows {
+  std::vector<Row> rows;
+  std::vector<std::string> left_out;  ///< a line each: what a queue's claims do not allow
+};
+
+/// The lines of a settled plan. A shard has every `shards`-th cell, whole, so that queues are
+/// always compared on one machine.
+Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machine);
+
+/// What the process for a repetition of `row` is told. Each repetition has a seed of its own, the
+/// same for all queues of a cell.
+Job job_of(const Plan& plan, const Row& row, unsigned repetition, double step_ns, bool latency);
+
+/// The lines by number in the order in which one repetition of the sweep measures them: cell by
+/// cell, and in each cell the queues in an order drawn anew for each repetition, so that none
+/// always follows the same other.
+std::vector<unsigned> order_of(const std::vector<Row>& rows, unsigned repetition,
+                               std::uint64_t seed);
+
+}  // namespace irt::contention

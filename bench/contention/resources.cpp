@@ -1,0 +1,83 @@
+#include "bench/contention/resources.hpp"
+
+#include <fmt/format.h>
+#include <fstream>
+#include <string_view>
+#include <sys/resource.h>
+
+namespace irt::contention {
+namespace {
+
+namespace fs = std::filesystem;
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+}
+
+std::optional<std::uint64_t> number_in(const fs::path& file) {
+  std::ifstream in(file);
+  std::uint64_t number = 0;
+  return in >> number ? std::optional(number) : std::nullopt;
+}
+
+/// A field of /proc/self/status that is given in kB.
+std::uint64_t status_bytes(std::string_view key) {
+  std::ifstream in("/proc/self/status");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with(key)) return std::stoull(line.substr(key.size())) * 1024;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Usage usage_so_far() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return {.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime),
+          .context_switches = static_cast<std::uint64_t>(usage.ru_nvcsw + usage.ru_nivcsw)};
+}
+
+MemoryPeak::MemoryPeak() {
+  std::ofstream("/proc/self/clear_refs") << 5;
+  before_ = status_bytes("VmRSS:");
+}
+
+std::uint64_t MemoryPeak::bytes() const {
+  const std::uint64_t peak = status_bytes("VmHWM:");
+  return peak > before_ ? peak - before_ : 0;
+}
+
+EnergyMeter::EnergyMeter(const fs::path& root) {
+  std::error_code error;
+  bool found = false;
+  for (const auto& entry : fs::directory_iterator(root, error)) {
+    // A package is "intel-rapl:0"; "intel-rapl:0:0" is a part of it.
+    const std::string name = entry.path().filename();
+    if (!name.starts_with("intel-rapl:") || name.find(':', 11) != std::string::npos) continue;
+    found = true;
+    if (!number_in(entry.path() / "energy_uj")) continue;
+    packages_.push_back({.counter = entry.path() / "energy_uj",
+                         .range = number_in(entry.path() / "max_energy_range_uj").value_or(0)});
+  }
+  if (!packages_.empty()) return;
+  missing_ = found ? "energy: not readable by this user (" + root.string() + ")"
+                   : "energy: no RAPL counters on this machine (" + root.string() + ")";
+}
+
+void EnergyMeter::start() {
+  for (Package& one : packages_) one.begin = number_in(one.counter).value_or(0);
+}
+
+std::optional<double> EnergyMeter::joules() const {
+  if (packages_.empty()) return std::nullopt;
+  double sum = 0;
+  for (const Package& one : packages_) {
+    const std::uint64_t end = number_in(one.counter).value_or(one.begin);
+    const std::uint64_t used = end >= one.begin ? end - one.begin : end + one.range - one.begin;
+    sum += static_cast<double>(used) * 1e-6;
+  }
+  return sum;
+}
+
+}  // namespace irt::contention

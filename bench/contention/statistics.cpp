@@ -1,0 +1,158 @@
+#include "bench/contention/statistics.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace irt::contention {
+namespace {
+
+constexpr double level = 0.05;
+
+/// How likely U is each of its values 0 ... n m where both sets come from the same distribution
+/// (the recurrence of Mann and Whitney's section 3).
+std::vector<double> null_distribution(std::size_t n, std::size_t m) {
+  // ways[j][u]: arrangements of i values of one set and j of the other with so large a U.
+  std::vector<std::vector<double>> ways(m + 1, std::vector<double>(n * m + 1));
+  for (auto& row : ways) row[0] = 1;  // i = 0
+  for (std::size_t i = 1; i <= n; ++i) {
+    // The largest value belongs to the first set, and is above j others, or to the second.
+    for (std::size_t j = 1; j <= m; ++j) {
+      std::vector<double> next(n * m + 1);
+      for (std::size_t u = 0; u <= i * j; ++u) {
+        next[u] = (u >= j ? ways[j][u - j] : 0) + ways[j - 1][u];
+      }
+      ways[j] = std::move(next);
+    }
+  }
+  std::vector<double> probability = ways[m];
+  const double all = std::accumulate(probability.begin(), probability.end(), 0.0);
+  for (double& one : probability) one /= all;
+  return probability;
+}
+
+/// P(U <= u).
+double lower_tail(const std::vector<double>& probability, double u) {
+  double sum = 0;
+  for (std::size_t i = 0; i < probability.size() && static_cast<double>(i) <= u; ++i) {
+    sum += probability[i];
+  }
+  return sum;
+}
+
+double normal_p(double u, double n, double m, const std::map<double, std::size_t>& values) {
+  double ties = 0;
+  for (const auto& [value, count] : values) {
+    const auto t = static_cast<double>(count);
+    ties += t * t * t - t;
+  }
+  const double all = n + m;
+  const double variance = n * m / 12 * (all + 1 - ties / (all * (all - 1)));
+  const double distance = std::abs(u - n * m / 2) - 0.5;
+  if (variance <= 0 || distance <= 0) return 1;
+  return std::min(1.0, 2 * cdf(complement(boost::math::normal(), distance / std::sqrt(variance))));
+}
+
+/// The largest u with P(U <= u) + P(U >= n m - u) at most the level; nothing where there is none.
+std::optional<std::size_t> critical(std::size_t n, std::size_t m) {
+  if (n == 0 || m == 0) return std::nullopt;
+  if (n > exact_limit || m > exact_limit) {
+    const auto a = static_cast<double>(n), b = static_cast<double>(m);
+    const double z = quantile(complement(boost::math::normal(), level / 2));
+    return static_cast<std::size_t>(a * b / 2 - 0.5 - z * std::sqrt(a * b * (a + b + 1) / 12));
+  }
+  double sum = 0;
+  std::optional<std::size_t> found;
+  const std::vector<double> probability = null_distribution(n, m);
+  for (std::size_t u = 0; u < probability.size(); ++u) {
+    sum += probability[u];
+    if (2 * sum > level) break;
+    found = u;
+  }
+  return found;
+}
+
+}  // namespace
+
+double mean(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+std::optional<Interval> student_interval(std::span<const double> values) {
+  if (values.size() < 2) return std::nullopt;
+  const double n = static_cast<double>(values.size());
+  const double middle = mean(values);
+  double squares = 0;
+  for (const double value : values) squares += (value - middle) * (value - middle);
+  const double error = std::sqrt(squares / (n - 1) / n);
+  const double t = quantile(complement(boost::math::students_t(n - 1), level / 2));
+  return Interval{middle - t * error, middle + t * error};
+}
+
+RankTest mann_whitney(std::span<const double> a, std::span<const double> b) {
+  RankTest test;
+  if (a.empty() || b.empty()) return test;
+  for (const double x : a) {
+    for (const double y : b) test.u += x > y ? 1 : x == y ? 0.5 : 0;
+  }
+  std::map<double, std::size_t> values;
+  for (const double x : a) ++values[x];
+  for (const double y : b) ++values[y];
+  const bool ties = values.size() < a.size() + b.size();
+  const double n = static_cast<double>(a.size()), m = static_cast<double>(b.size());
+  if (ties || a.size() > exact_limit || b.size() > exact_limit) {
+    test.p = normal_p(test.u, n, m, values);
+  } else {
+    const double smaller = std::min(test.u, n * m - test.u);
+    test.p = std::min(1.0, 2 * lower_tail(null_distribution(a.size(), b.size()), smaller));
+  }
+  return test;
+}
+
+Ratio ratio(std::span<const double> a, std::span<const double> b) {
+  Ratio found;
+  found.of_medians = median({b.begin(), b.end()}) / median({a.begin(), a.end()});
+  const std::optional<std::size_t> excluded = critical(a.size(), b.size());
+  if (!excluded) return found;
+  std::vector<double> ratios;
+  ratios.reserve(a.size() * b.size());
+  for (const double x : a) {
+    for (const double y : b) ratios.push_back(y / x);
+  }
+  std::ranges::sort(ratios);
+  found.interval = {ratios[*excluded], ratios[ratios.size() - 1 - *excluded]};
+  return found;
+}
+
+Verdict judge(std::span<const double> a, std::span<const double> b) {
+  if (!critical(a.size(), b.size())) return Verdict::too_few;
+  const RankTest test = mann_whitney(a, b);
+  if (test.p >= level) return Verdict::no_difference;
+  const bool mostly_larger = 2 * test.u < static_cast<double>(a.size() * b.size());
+  return mostly_larger ? Verdict::faster : Verdict::slower;
+}
+
+const char* words(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::slower:
+      return "slower";
+    case Verdict::no_difference:
+      return "no difference";
+    case Verdict::faster:
+      return "faster";
+    case Verdict::too_few:
+      return "too few repetitions";
+  }
+  return "";
+}
+
+}  // namespace irt::contention

@@ -1,0 +1,48 @@
+/// What repetitions allow one to say.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace irt::contention {
+
+/// Where a mean, or a ratio, lies with a confidence of 95 per cent.
+struct Interval {
+  double low = 0, high = 0;
+};
+
+double mean(std::span<const double> values);
+double median(std::vector<double> values);
+
+/// Of the mean of normally distributed values (Student 1908). Nothing for fewer than two.
+std::optional<Interval> student_interval(std::span<const double> values);
+
+/// The test by Mann and Whitney (1947) of whether values of `a` tend to be smaller or larger than
+/// those of `b`, two-sided.
+struct RankTest {
+  double u = 0;  ///< pairs in which the value of `a` is the larger one; a tie is half a pair
+  double p = 1;
+};
+/// Exact where no two values are alike and there are at most `exact_limit` of each; else by the
+/// normal approximation with corrections for ties and continuity. p is 1 where one is empty.
+RankTest mann_whitney(std::span<const double> a, std::span<const double> b);
+inline constexpr std::size_t exact_limit = 50;
+
+/// How many times larger `b` is than `a`, both positive.
+struct Ratio {
+  double of_medians = 1;
+  /// Moses' interval: those factors for which the rank test would not tell `b` from a scaled `a`.
+  /// Nothing where there are too few values to exclude any.
+  std::optional<Interval> interval;
+};
+Ratio ratio(std::span<const double> a, std::span<const double> b);
+
+enum class Verdict { slower, no_difference, faster, too_few };
+
+/// Of two sets of rates: whether `b` is faster or slower than `a`, at the level of 5 per cent.
+/// `too_few` where no outcome whatever could reach that level.
+Verdict judge(std::span<const double> a, std::span<const double> b);
+const char* words(Verdict verdict);
+
+}  // namespace irt::contention

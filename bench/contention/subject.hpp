@@ -1,0 +1,93 @@
+/// A queue under measurement: its concrete type behind one virtual call per thread, not per
+/// operation.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string_view>
+
+#include "bench/contention/programs.hpp"
+#include "queues/registry.hpp"
+
+namespace irt::contention {
+
+class Subject {
+ public:
+  Subject() = default;
+  Subject(const Subject&) = delete;
+  Subject& operator=(const Subject&) = delete;
+  virtual ~Subject() = default;
+
+  /// Does what a thread of `program` does until `Table::stop` is set.
+  virtual void run(Program program, Seat& seat, bool stamped) = 0;
+
+  /// Before and after the measurement, by one thread for any worker.
+  virtual bool push(unsigned worker, std::uint64_t element) = 0;
+  virtual bool pop(unsigned worker, std::uint64_t& element) = 0;
+};
+
+/// `second` is made for `ping_pong` only.
+template <class Queue>
+class SubjectOf final : public Subject {
+ public:
+  SubjectOf(std::unique_ptr<Queue> first, std::unique_ptr<Queue> second)
+      : first_(std::move(first)), second_(std::move(second)) {}
+
+  void run(Program program, Seat& seat, bool stamped) override {
+    stamped ? run_stamped<true>(program, seat) : run_stamped<false>(program, seat);
+  }
+  bool push(unsigned worker, std::uint64_t element) override {
+    return first_->push(worker, element);
+  }
+  bool pop(unsigned worker, std::uint64_t& element) override {
+    return first_->pop(worker, element) || (second_ && second_->pop(worker, element));
+  }
+
+ private:
+  template <bool stamped>
+  void run_stamped(Program program, Seat& seat) {
+    Hand<Queue, stamped> hand(*first_, seat);
+    switch (program) {
+      case Program::pairs:
+        return pairs(hand);
+      case Program::exchange:
+        return exchange(hand);
+      case Program::bursts:
+        return bursts(hand);
+      case Program::sides:
+        return sides(hand);
+      case Program::frames:
+        return frames(hand);
+      case Program::ping_pong:
+        // Each thread pushes into one queue only and pops from the other only, so that the two
+        // hands do not overwrite each other's counts.
+        Hand<Queue, stamped> back(*second_, seat);
+        return ping_pong(hand, back);
+    }
+  }
+
+  std::unique_ptr<Queue> first_, second_;
+};
+
+/// Makes what is measured: for so many workers, with so much capacity, and with a second queue or
+/// not.
+using SubjectMaker =
+    std::function<std::unique_ptr<Subject>(unsigned workers, std::size_t capacity, bool two)>;
+
+template <class Queue>
+SubjectMaker maker_of() {
+  return [](unsigned workers, std::size_t capacity, bool two) -> std::unique_ptr<Subject> {
+    return std::make_unique<SubjectOf<Queue>>(
+        std::make_unique<Queue>(workers, capacity),
+        two ? std::make_unique<Queue>(workers, capacity) : nullptr);
+  };
+}
+
+/// The queue `name` of `queues`, or `no_queue`. A built-in queue is measured by its concrete type,
+/// one of a plug-in through its type-erased face, at a virtual call per operation.
+SubjectMaker subject_maker(const QueueRegistry& queues, std::string_view name);
+
+/// Whether the queue `name` is measured through its type-erased face.
+bool type_erased(std::string_view name);
+
+}  // namespace irt::contention

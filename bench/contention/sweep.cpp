@@ -1,0 +1,225 @@
+#include "bench/contention/sweep.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <optional>
+#include <set>
+
+#include "bench/conditions/conditions.hpp"
+#include "bench/contention/busy_wait.hpp"
+#include "bench/contention/child.hpp"
+#include "bench/contention/statistics.hpp"
+#include "bench/contention/summary.hpp"
+#include "bench/frames/interrupt.hpp"
+#include "bench/frames/json_lines.hpp"
+#include "bench/frames/progress.hpp"
+#include "bench/frames/text_files.hpp"
+#include "bench/frames/usage_error.hpp"
+
+namespace irt::contention {
+namespace {
+
+constexpr const char* format = "irt-contention 1";
+
+class Sweep {
+ public:
+  Sweep(const SweepOptions& options, QueueRegistry& queues, std::filesystem::path program)
+      : options_(options), queues_(queues), program_(std::move(program)) {}
+
+  int run() {
+    const auto file = options_.out / "contention.jsonl";
+    plan_ = options_.plan;
+    settle(plan_, queues_, machine_);
+    if (options_.resume) go_on(file);
+    Rows settled = rows_of(plan_, queues_, machine_);
+    rows_ = std::move(settled.rows);
+    left_out_ = std::move(settled.left_out);
+    if (rows_.empty()) {
+      throw UsageError(left_out_.empty()
+                           ? "nothing to measure: this shard is empty, or --threads are too few "
+                             "for the scenario"
+                           : "nothing to measure: " + left_out_.front());
+    }
+    for (const auto& path : {file, options_.out / "contention.json"}) require_writable(path);
+    if (!options_.json.empty()) require_writable(options_.json);
+    if (!journal_) begin(file);
+    if (!journal_) {
+      fmt::print(stderr, "irt: interrupted before anything was measured\n");
+      return exit_interrupted;
+    }
+    announce();
+    measure_all();
+    return report();
+  }
+
+ private:
+  // Takes plan and results from the journal. What the user set on the command line must be what it
+  // says.
+  void go_on(const std::filesystem::path& file) {
+    journal_ = JsonLines::resume(file, format, [this](const nlohmann::json& line) {
+      results_.push_back(line.get<Result>());
+    });
+    const auto stored = journal_->header().at("plan").get<Plan>();
+    const nlohmann::json before = stored, now = plan_;
+    std::string difference;
+    for (const std::string& name : options_.given) {
+      if (difference.empty()) {
+        difference = first_difference({{name, before.at(name)}}, {{name, now.at(name)}});
+      }
+    }
+    if (!difference.empty()) {
+      throw UsageError(fmt::format(
+          "--resume: {}; start without --resume, or with the options of before", difference));
+    }
+    conditions_ = journal_->header().at("conditions");
+    difference =
+        first_difference(lasting_conditions(conditions_), lasting_conditions(conditions()));
+    if (!difference.empty()) {
+      throw UsageError(
+          fmt::format("--resume: {}; figures taken under other conditions do not mix, "
+                      "start without --resume",
+                      difference));
+    }
+    for (const std::string& plugin : stored.plugins) {
+      const bool open = std::ranges::find(plan_.plugins, plugin) != plan_.plugins.end();
+      if (!open) queues_.open(plugin);
+    }
+    plan_ = stored;
+    journal_->header().at("calibration").get_to(calibration_);
+  }
+
+  void begin(const std::filesystem::path& file) {
+    conditions_ = conditions();
+    calibration_.step_ns = measure_step_ns();
+    calibration_.harness_ns = harness_ns();
+    if (cancel_) return;
+    journal_ = JsonLines::begin(file, {{"format", format},
+                                       {"plan", plan_},
+                                       {"calibration", calibration_},
+                                       {"conditions", conditions_}});
+  }
+
+  // What a sweep adds to each operation: the processor time of the loop with a queue that does
+  // nothing, by one thread without work.
+  double harness_ns() {
+    std::vector<double> costs;
+    for (int i = 0; i < 5 && !cancel_; ++i) {
+      Job job;
+      job.queue = no_queue;
+      job.scenario = "pairs";
+      job.capacity = 1;
+      job.step_ns = calibration_.step_ns;
+      job.seconds = 0.03;
+      job.warmup_seconds = 0.06;
+      const Sample sample = measure_in_child(program_, job, cancel_);
+      if (sample.operations() > 0) {
+        costs.push_back(sample.cpu_seconds * 1e9 / static_cast<double>(sample.operations()));
+      }
+    }
+    return costs.empty() ? 0 : median(costs);
+  }
+
+  unsigned passes() const { return plan_.latency ? 2 : 1; }
+  unsigned total() const {
+    return static_cast<unsigned>(rows_.size()) * plan_.repetitions * passes();
+  }
+
+  void announce() const {
+    for (const std::string& line : left_out_) fmt::print(stderr, "irt: {}\n", line);
+    fmt::print(stderr,
+               "{} lines of {} repetitions, about {:.0f} s; the loop itself takes {:.2f} ns per "
+               "operation, a step of the busy wait {:.2f} ns\n",
+               rows_.size(), plan_.repetitions, total() * (plan_.seconds + 0.15),
+               calibration_.harness_ns, calibration_.step_ns);
+  }
+
+  bool has(unsigned row, unsigned repetition, bool latency) const {
+    return std::ranges::any_of(results_, [&](const Result& result) {
+      return result.row == row && result.repetition == repetition && result.latency == latency;
+    });
+  }
+  // A queue that hung once would cost its patience again and again.
+  bool hopeless(unsigned row) const {
+    return std::ranges::any_of(results_, [&](const Result& result) {
+      return result.row == row && result.sample.status == "hung";
+    });
+  }
+
+  void measure_all() {
+    ProgressBar progress(total(), static_cast<unsigned>(results_.size()));
+    for (unsigned repetition = 0; repetition < plan_.repetitions; ++repetition) {
+      for (const unsigned i : order_of(rows_, repetition, plan_.seed)) {
+        for (const bool latency : {false, true}) {
+          if (cancel_) return;
+          if ((latency && !plan_.latency) || has(i, repetition, latency)) continue;
+          const Row& row = rows_[i];
+          progress.show(
+              fmt::format("{}, {}, {} threads", row.scenario, row.queue, row.cast.threads));
+          if (!hopeless(i)) measure_one(i, repetition, latency);
+          progress.step();
+        }
+      }
+    }
+  }
+
+  void measure_one(unsigned row, unsigned repetition, bool latency) {
+    Result result{.row = row, .repetition = repetition, .latency = latency, .sample = {}};
+    result.sample = measure_in_child(
+        program_, job_of(plan_, rows_[row], repetition, calibration_.step_ns, latency), cancel_);
+    if (cancel_) return;
+    journal_->add(result);
+    results_.push_back(std::move(result));
+  }
+
+  int report() {
+    const auto runs = summarise(plan_, rows_, results_, calibration_, queues_, conditions_);
+    fmt::print("{}\n", table(runs));
+    std::set<std::string> missing;
+    for (const Result& result : results_) {
+      missing.insert(result.sample.missing.begin(), result.sample.missing.end());
+    }
+    for (const std::string& line : missing) fmt::print("{}\n", line);
+    fmt::print(
+        "{} s per repetition after the warm-up; Mops/s: successful pushes and pops of all threads, "
+        "mean of {} repetitions; the loop's own share is {:.2f} ns per operation\n",
+        plan_.seconds, plan_.repetitions, calibration_.harness_ns);
+    std::fflush(stdout);
+    const std::string text = runs.dump(2) + '\n';
+    write_text(options_.out / "contention.json", text);
+    if (!options_.json.empty()) write_text(options_.json, text);
+    fmt::print(stderr, "figures: {}\n", (options_.out / "contention.json").string());
+    if (cancel_) {
+      fmt::print(stderr,
+                 "irt: interrupted after {} of {} measurements; go on with: irt bench contention "
+                 "--resume --out {}\n",
+                 results_.size(), total(), options_.out.string());
+      return exit_interrupted;
+    }
+    const bool broken =
+        std::ranges::any_of(runs, [](const auto& run) { return run["status"] != "ok"; });
+    return broken ? 1 : 0;
+  }
+
+  const SweepOptions& options_;
+  QueueRegistry& queues_;
+  std::filesystem::path program_;
+  const std::atomic<bool>& cancel_ = watch_for_interrupt();
+  Machine machine_ = survey_machine();
+  Plan plan_;
+  std::vector<Row> rows_;
+  std::vector<std::string> left_out_;
+  Calibration calibration_;
+  nlohmann::json conditions_;
+  std::optional<JsonLines> journal_;
+  std::vector<Result> results_;
+};
+
+}  // namespace
+
+int sweep(const SweepOptions& options, QueueRegistry& queues,
+          const std::filesystem::path& program) {
+  return Sweep(options, queues, program).run();
+}
+
+}  // namespace irt::contention
