@@ -1,0 +1,262 @@
+// The pitfalls that other benchmarks fell into, each as a test.
+#include "bench/contention/measurement.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+#include "bench/contention/hardware_counters.hpp"
+#include "bench/contention/placement.hpp"
+#include "bench/contention/resources.hpp"
+#include "queues/blocking/mutex_queue.hpp"
+
+namespace irt::contention {
+namespace {
+
+using std::chrono::milliseconds;
+
+void never(const Sample& sample) {
+  FAIL() << sample.message;
+}
+
+Job job_for(const std::string& scenario, unsigned threads) {
+  const Cast cast = scenario_at(scenario).cast(threads);
+  Job job;
+  job.queue = no_queue;
+  job.scenario = scenario;
+  job.threads = cast.threads;
+  job.producers = cast.producers;
+  job.consumers = cast.consumers;
+  job.capacity = 1024;
+  job.seconds = 0.2;
+  job.warmup_seconds = 1;
+  return job;
+}
+
+/// Each operation of a worker takes the time that is set for it; the first may take longer. Asleep,
+/// so that the machine's load matters little.
+class Metronome {
+ public:
+  struct Pace {
+    milliseconds each{1}, first{0};
+  };
+
+  explicit Metronome(std::vector<Pace> paces)
+      : paces_(std::move(paces)), started_(paces_.size(), 0) {}
+
+  bool push(unsigned worker, std::uint64_t /*element*/) { return tick(worker); }
+  bool pop(unsigned worker, std::uint64_t& /*element*/) { return tick(worker); }
+
+ private:
+  bool tick(unsigned worker) {
+    std::this_thread::sleep_for(paces_[worker].each);
+    if (started_[worker] == 0) std::this_thread::sleep_for(paces_[worker].first);
+    started_[worker] = 1;
+    return true;
+  }
+
+  std::vector<Pace> paces_;
+  std::vector<char> started_;  // not bool: each worker writes its own
+};
+
+Sample measure_metronome(const Job& job, const std::vector<Metronome::Pace>& paces) {
+  return measure(
+      job,
+      [&](unsigned, std::size_t, bool) -> std::unique_ptr<Subject> {
+        return std::make_unique<SubjectOf<Metronome>>(std::make_unique<Metronome>(paces), nullptr);
+      },
+      never);
+}
+
+double rate(const Sample& sample) {
+  return static_cast<double>(sample.operations()) / sample.seconds;
+}
+
+TEST(Pitfalls, TheRateIsThatOfAllThreadsOverOneInterval) {
+  // One thread does 1,000 operations a second, seven do 50: 1,350. From the slowest thread it would
+  // be 400 at most, from summed thread times 170, from the fastest thread 8,000.
+  std::vector<Metronome::Pace> paces(8, {.each = milliseconds(20), .first = {}});
+  paces[0].each = milliseconds(1);
+  const Sample sample = measure_metronome(job_for("pairs", 8), paces);
+  EXPECT_GT(rate(sample), 450);
+  EXPECT_LT(rate(sample), 1350 * 1.1);
+  EXPECT_LT(sample.fairness, 0.4);
+  EXPECT_GE(sample.seconds, 0.2);
+}
+
+TEST(Pitfalls, StartingThreadsIsNotTimed) {
+  // The last thread needs 300 ms for its first operation, more than the timed interval.
+  std::vector<Metronome::Pace> paces(4, {.each = milliseconds(4), .first = {}});
+  paces[3].first = milliseconds(300);
+  const Sample sample = measure_metronome(job_for("pairs", 4), paces);
+  EXPECT_GT(sample.fairness, 0.3);
+}
+
+TEST(Pitfalls, FailedPopsAreNotWork) {
+  /// Gives every tenth time.
+  class Stingy {
+   public:
+    bool push(unsigned /*worker*/, std::uint64_t /*element*/) { return true; }
+    bool pop(unsigned /*worker*/, std::uint64_t& /*element*/) { return ++tries_ % 10 == 0; }
+
+   private:
+    unsigned tries_ = 0;
+  };
+  const Sample sample = measure(
+      job_for("pairs", 1),
+      [](unsigned, std::size_t, bool) -> std::unique_ptr<Subject> {
+        return std::make_unique<SubjectOf<Stingy>>(std::make_unique<Stingy>(), nullptr);
+      },
+      never);
+  ASSERT_GT(sample.pops, 100U);
+  EXPECT_NEAR(static_cast<double>(sample.failed_pops) / static_cast<double>(sample.pops), 9, 0.2);
+  EXPECT_NEAR(static_cast<double>(sample.pushes) / static_cast<double>(sample.pops), 1, 0.01);
+  EXPECT_EQ(sample.operations(), sample.pushes + sample.pops);
+}
+
+TEST(Pitfalls, WorkIsNotOptimisedAwayAndScales) {
+  const double step_ns = measure_step_ns();
+  const auto wait = [&](double ns) { return measure_wait_ns(steps_for(ns, step_ns)); };
+  for (const double ns : {100.0, 1000.0, 10'000.0}) EXPECT_NEAR(wait(ns) / ns, 1, 0.25) << ns;
+  EXPECT_NEAR(wait(10'000) / wait(1'000), 10, 2);
+
+  // In the loop itself: an operation comes after each 20 us of work, so that is the most.
+  Job job = job_for("pairs", 1);
+  job.work_ns = 20'000;
+  job.step_ns = step_ns;
+  const QueueRegistry queues;
+  const Sample sample = measure(job, subject_maker(queues, no_queue), never);
+  EXPECT_LT(rate(sample), 1e9 / 20'000 * 1.1);
+  EXPECT_GT(sample.operations(), 0U);
+}
+
+TEST(Pitfalls, SpreadWorkKeepsItsMeanAndItsRange) {
+  Waits waits(1000, 0.5, 42), same(1000, 0.5, 42), constant(1000, 0, 42);
+  double sum = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const std::uint64_t steps = waits.next();
+    EXPECT_EQ(steps, same.next());
+    EXPECT_EQ(constant.next(), 1000U);
+    ASSERT_GE(steps, 500U);
+    ASSERT_LE(steps, 1500U);
+    sum += static_cast<double>(steps);
+  }
+  EXPECT_NEAR(sum / 10'000, 1000, 15);
+}
+
+TEST(Pitfalls, ThreadsShareNoLineThatOneOfThemWrites) {
+  const Table table(Cast{4, 4, 4});
+  const auto line = [](const void* address) {
+    return reinterpret_cast<std::uintptr_t>(address) / cache_line_pair;
+  };
+  for (unsigned i = 0; i < 4; ++i) {
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(&table.counts[i]) % cache_line_pair, 0U);
+    EXPECT_NE(line(&table.stop), line(&table.counts[i]));
+    for (unsigned other = 0; other < i; ++other) {
+      EXPECT_NE(line(&table.counts[i].held_back), line(&table.counts[other].pushes));
+    }
+  }
+}
+
+TEST(Pitfalls, TheLoopCostsLessThanAReadingOfTheClock) {
+  const QueueRegistry queues;
+  const Sample sample = measure(job_for("pairs", 1), subject_maker(queues, no_queue), never);
+  const double ns = sample.cpu_seconds * 1e9 / static_cast<double>(sample.operations());
+  EXPECT_LT(ns, measure_clock_ns(stress::calibrate().ticks_per_nanosecond));
+  EXPECT_TRUE(sample.push_times.buckets.empty());
+}
+
+TEST(Latency, IsThatOfEachOperationOfItsOwn) {
+  Job job = job_for("pairs", 2);
+  job.latency = true;
+  const Sample sample = measure_metronome(
+      job, {{.each = milliseconds(3), .first = {}}, {.each = milliseconds(3), .first = {}}});
+  Histogram pops;
+  pops.add(sample.pop_times.buckets, sample.pop_times.max);
+  EXPECT_GE(pops.quantile(0.01), 2'950'000U);
+  EXPECT_GT(sample.clock_ns, 0);
+  EXPECT_FALSE(sample.push_times.buckets.empty());
+}
+
+TEST(Measurement, EveryProgramRunsOnAQueueAndLosesNothing) {
+  for (const Scenario& scenario : scenarios()) {
+    for (const unsigned threads : {1U, 2U, 5U}) {
+      if (threads < scenario.least_threads) continue;
+      Job job = job_for(std::string(scenario.name), threads);
+      job.queue = "mutex";
+      job.seconds = 0.02;
+      job.warmup_seconds = 0.1;
+      job.work_spread = 0.5;
+      const Sample sample = measure(job, maker_of<MutexQueue<std::uint64_t>>(), never);
+      EXPECT_EQ(sample.status, "ok") << scenario.name << ": " << sample.message;
+      EXPECT_GT(sample.operations(), 0U) << scenario.name;
+    }
+  }
+}
+
+TEST(Measurement, ProducersWaitForConsumersAtTheCapacity) {
+  Job job = job_for("3x1", 4);
+  job.queue = "mutex";
+  job.capacity = 256;
+  job.warmup_seconds = 0.1;
+  const Sample sample = measure(job, maker_of<MutexQueue<std::uint64_t>>(), never);
+  EXPECT_EQ(sample.status, "ok") << sample.message;
+  EXPECT_LT(sample.pushes, sample.pops + 256 + 4 * 64 + 1000);
+}
+
+TEST(Measurement, AProcessorThatIsNotThereIsSaid) {
+  EXPECT_NE(bind_to(1'000'000), "");
+  Job job = job_for("pairs", 1);
+  job.processors = {1'000'000};
+  job.seconds = 0.01;
+  job.warmup_seconds = 0;
+  const QueueRegistry queues;
+  EXPECT_NE(measure(job, subject_maker(queues, no_queue), never).not_pinned, "");
+}
+
+TEST(Resources, AnEnergyCounterThatWrapsAround) {
+  const std::filesystem::path root =
+      std::filesystem::path(testing::TempDir()) / ("irt-rapl-" + std::to_string(getpid()));
+  const auto write = [&](const char* name, std::uint64_t value) {
+    std::filesystem::create_directories((root / name).parent_path());
+    std::ofstream(root / name) << value << '\n';
+  };
+  write("intel-rapl:0/energy_uj", 9'000'000);
+  write("intel-rapl:0/max_energy_range_uj", 10'000'000);
+  write("intel-rapl:0:0/energy_uj", 5);  // a part of the package
+  EnergyMeter meter(root);
+  meter.start();
+  write("intel-rapl:0/energy_uj", 1'000'000);
+  EXPECT_DOUBLE_EQ(meter.joules().value(), 2);
+  std::filesystem::remove_all(root);
+  EXPECT_NE(EnergyMeter("/no/such/place").missing(), "");
+  EXPECT_FALSE(EnergyMeter("/no/such/place").joules());
+}
+
+TEST(Resources, HardwareCountersCountOrSayWhyNot) {
+  HardwareCounters counters;
+  counters.start();
+  busy_wait(1'000'000);
+  const auto figures = counters.read();
+  EXPECT_EQ(figures.is_null(), !counters.missing().empty());
+  if (figures.contains("instructions")) {
+    EXPECT_GE(figures["instructions"].get<double>(), 2e6);
+  }
+}
+
+TEST(Resources, MemoryThatAQueueTakesIsSeen) {
+  const MemoryPeak peak;
+  {
+    const std::vector<char> block(64U << 20U, 'x');
+    EXPECT_GE(peak.bytes(), 60U << 20U);
+  }
+  EXPECT_GE(peak.bytes(), 60U << 20U);  // a peak stays
+}
+
+}  // namespace
+}  // namespace irt::contention

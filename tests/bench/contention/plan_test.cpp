@@ -1,0 +1,184 @@
+#include "bench/contention/plan.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <set>
+
+#include "bench/frames/usage_error.hpp"
+
+namespace irt::contention {
+namespace {
+
+/// Two packages of two caches with two cores of two hardware threads. As on many machines, the
+/// system numbers all cores first and then their siblings.
+Machine machine() {
+  Machine all;
+  all.knows_caches = true;
+  for (unsigned core = 0; core < 8; ++core) {
+    for (unsigned sibling = 0; sibling < 2; ++sibling) {
+      all.processors.push_back({.number = core + 8 * sibling,
+                                .package = core / 4,
+                                .numa_node = core / 4,
+                                .cache = core / 2,
+                                .core = core,
+                                .sibling = sibling});
+    }
+  }
+  return all;
+}
+
+using Numbers = std::vector<unsigned>;
+
+TEST(Placement, EachPolicyOnAMachineThatHasEveryLevel) {
+  const auto first_eight = [](const char* policy) {
+    const Placement placement = place(policy, machine());
+    EXPECT_EQ(placement.text, policy);
+    std::set<unsigned> all(placement.processors.begin(), placement.processors.end());
+    EXPECT_EQ(all.size(), 16U);
+    return Numbers(placement.processors.begin(), placement.processors.begin() + 8);
+  };
+  EXPECT_EQ(first_eight("close"), (Numbers{0, 1, 8, 9, 2, 3, 10, 11}));
+  EXPECT_EQ(first_eight("smt-first"), (Numbers{0, 8, 1, 9, 2, 10, 3, 11}));
+  EXPECT_EQ(first_eight("smt-last"), (Numbers{0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(first_eight("far"), (Numbers{0, 4, 2, 6, 1, 5, 3, 7}));
+  EXPECT_EQ(first_eight("one-per-l3"), (Numbers{0, 2, 4, 6, 1, 3, 5, 7}));
+  EXPECT_EQ(first_eight("numa-spread"), (Numbers{0, 4, 1, 5, 2, 6, 3, 7}));
+  EXPECT_TRUE(place("none", machine()).processors.empty());
+}
+
+TEST(Placement, WhatAMachineLacksIsSaid) {
+  Machine plain;
+  for (unsigned i = 0; i < 2; ++i) plain.processors.push_back({.number = i, .core = i});
+  EXPECT_NE(place("one-per-l3", plain).text, "one-per-l3");
+  EXPECT_NE(place("numa-spread", plain).text, "numa-spread");
+  EXPECT_NE(place("smt-first", plain).text, "smt-first");
+  EXPECT_EQ(place("close", plain).text, "close");
+  EXPECT_EQ(place("numa-spread", plain).processors, (Numbers{0, 1}));
+}
+
+TEST(Placement, ThisMachineCanBeRead) {
+  const Machine here = survey_machine();
+  ASSERT_FALSE(here.processors.empty());
+  std::set<unsigned> numbers;
+  for (const Processor& one : here.processors) numbers.insert(one.number);
+  EXPECT_EQ(numbers.size(), here.processors.size());
+}
+
+TEST(Scenarios, CastsAddUp) {
+  for (const Scenario& scenario : scenarios()) {
+    for (unsigned threads = scenario.least_threads; threads <= 9; ++threads) {
+      const Cast cast = scenario.cast(threads);
+      EXPECT_LE(cast.threads, threads) << scenario.name;
+      EXPECT_GE(cast.producers, 1U) << scenario.name;
+      EXPECT_GE(cast.consumers, 1U) << scenario.name;
+      if (!cast.together()) {
+        EXPECT_EQ(cast.producers + cast.consumers, cast.threads) << scenario.name;
+      }
+    }
+  }
+  const Cast three_to_one = scenario_at("3x1").cast(99);
+  EXPECT_EQ(three_to_one.threads, 4U);
+  EXPECT_EQ(three_to_one.producers, 3U);
+  EXPECT_EQ(scenario_at("3x1").name(), "3x1");
+}
+
+TEST(Scenarios, OnlyWhatTheClaimsAllow) {
+  const Claims one_producer{.producers = Callers::one};
+  const Claims own{.producers = Callers::own_worker, .consumers = Callers::own_worker};
+  EXPECT_EQ(obstacle(scenario_at("fan-out").cast(4), one_producer), "");
+  EXPECT_NE(obstacle(scenario_at("fan-in").cast(4), one_producer), "");
+  EXPECT_EQ(obstacle(scenario_at("pairs").cast(4), own), "");
+  EXPECT_NE(obstacle(scenario_at("1x1").cast(2), own), "");
+  EXPECT_NE(obstacle(scenario_at("ping-pong").cast(2), own), "");
+  EXPECT_EQ(obstacle(scenario_at("8x8").cast(2), Claims{}), "");
+}
+
+Plan plan_of_many() {
+  Plan plan;
+  plan.queues = {"lock", "local", "mutex"};
+  plan.scenarios = {"pairs", "fan-in", "2x3"};
+  plan.threads = {1, 2, 3, 32};
+  plan.work = {0, 100};
+  plan.placements = {"close", "none"};
+  return plan;
+}
+
+std::string text_of(const Row& row) {
+  return row.queue + ' ' + row.scenario + ' ' + std::to_string(row.cast.threads) + ' ' +
+         std::to_string(row.work_ns) + ' ' + row.placement.text;
+}
+
+TEST(Plan, EveryCombinationThatTheClaimsAllowOnce) {
+  const QueueRegistry queues;
+  Plan plan = plan_of_many();
+  plan.queues.emplace_back("lock");  // twice
+  settle(plan, queues, machine());
+  const Rows all = rows_of(plan, queues, machine());
+  std::set<std::string> rows;
+  for (const Row& row : all.rows) {
+    EXPECT_TRUE(rows.insert(text_of(row)).second) << text_of(row);
+    EXPECT_EQ(row.oversubscribed, row.cast.threads == 32) << text_of(row);
+  }
+  // pairs: 3 queues, 4 thread counts; fan-in: 2 queues, 3 counts; 2x3: 2 queues; times 4.
+  EXPECT_EQ(rows.size(), (3 * 4 + 2 * 3 + 2) * 4U);
+  EXPECT_EQ(all.left_out.size(), 2U);
+  EXPECT_NE(all.left_out[0].find("local"), std::string::npos);
+}
+
+TEST(Plan, ShardsAreDisjointAndComplete) {
+  const QueueRegistry queues;
+  Plan plan = plan_of_many();
+  settle(plan, queues, machine());
+  std::multiset<std::string> whole, parts;
+  for (const Row& row : rows_of(plan, queues, machine()).rows) whole.insert(text_of(row));
+  plan.shards = 5;
+  for (plan.shard = 0; plan.shard < plan.shards; ++plan.shard) {
+    const Rows part = rows_of(plan, queues, machine());
+    for (const Row& row : part.rows) {
+      parts.insert(text_of(row));
+      EXPECT_EQ(row.cell % 5, plan.shard);
+    }
+  }
+  EXPECT_EQ(whole, parts);
+}
+
+TEST(Plan, QueuesOfACellTakeTurnsInAnOrderOfTheirOwn) {
+  const QueueRegistry queues;
+  Plan plan = plan_of_many();
+  settle(plan, queues, machine());
+  const std::vector<Row> rows = rows_of(plan, queues, machine()).rows;
+  std::set<std::vector<unsigned>> orders;
+  for (unsigned repetition = 0; repetition < 20; ++repetition) {
+    const auto order = order_of(rows, repetition, 1);
+    EXPECT_EQ(order, order_of(rows, repetition, 1));
+    orders.insert(order);
+    ASSERT_EQ(order.size(), rows.size());
+    auto sorted = order;
+    std::ranges::sort(sorted);
+    for (unsigned i = 0; i < sorted.size(); ++i) {
+      ASSERT_EQ(sorted[i], i);
+      ASSERT_EQ(rows[order[i]].cell, rows[i].cell);  // cell by cell
+    }
+  }
+  EXPECT_GE(orders.size(), 19U);
+}
+
+TEST(Plan, RepetitionsHaveSeedsOfTheirOwnThatQueuesShare) {
+  const Plan plan = plan_of_many();
+  Row lock, mutex;
+  lock.cell = mutex.cell = 3;
+  lock.queue = "lock";
+  mutex.queue = "mutex";
+  EXPECT_EQ(job_of(plan, lock, 1, 1, false).seed, job_of(plan, mutex, 1, 1, false).seed);
+  EXPECT_NE(job_of(plan, lock, 1, 1, false).seed, job_of(plan, lock, 2, 1, false).seed);
+}
+
+TEST(Plan, ACapacityBelowTheThreadsIsRefused) {
+  const QueueRegistry queues;
+  Plan plan = plan_of_many();
+  plan.capacities = {16};
+  EXPECT_THROW(settle(plan, queues, machine()), UsageError);
+}
+
+}  // namespace
+}  // namespace irt::contention

@@ -1,0 +1,136 @@
+// Known values are counted by hand or taken from tables of the distributions.
+#include "bench/contention/statistics.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace irt::contention {
+namespace {
+
+using Values = std::vector<double>;
+
+TEST(StudentInterval, KnownValues) {
+  EXPECT_FALSE(student_interval(Values{}));
+  EXPECT_FALSE(student_interval(Values{3}));
+  // Mean 3, standard deviation sqrt(2.5), t(4, 0.975) = 2.776445.
+  const auto five = student_interval(Values{1, 2, 3, 4, 5});
+  EXPECT_NEAR(five->low, 3 - 2.776445 * std::sqrt(2.5 / 5), 1e-6);
+  EXPECT_NEAR(five->high, 3 + 2.776445 * std::sqrt(2.5 / 5), 1e-6);
+  // t(1, 0.975) = 12.706205.
+  EXPECT_NEAR(student_interval(Values{0, 2})->high, 1 + 12.706205, 1e-6);
+}
+
+TEST(StudentInterval, HoldsTheMeanInNineteenOfTwentyCases) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> rate(100, 5);
+  int holds = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Values values(5);
+    for (double& value : values) value = rate(random);
+    const Interval interval = *student_interval(values);
+    holds += interval.low <= 100 && 100 <= interval.high ? 1 : 0;
+  }
+  EXPECT_NEAR(holds / 4000.0, 0.95, 0.015);  // four standard errors
+}
+
+TEST(MannWhitney, SmallSetsByCountingByHand) {
+  // Of the 20 ways to choose three of six, one has all of `a` below `b`; two-sided, one more.
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{1, 2, 3}, Values{4, 5, 6}).p, 0.1);
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{1, 2, 3}, Values{4, 5, 6}).u, 0);
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{4, 5, 6}, Values{1, 2, 3}).u, 9);
+  // Of 70 ways, U is 0 in one and 1 in one.
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{1, 2, 3, 5}, Values{4, 6, 7, 8}).p, 4.0 / 70);
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{1, 4}, Values{2, 3}).p, 1);
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{}, Values{2, 3}).p, 1);
+}
+
+TEST(MannWhitney, TiesByTheNormalApproximation) {
+  // n = m = 5, U = 2.5; ties of 2, 2 and 2: variance 25/12 (11 - 18/90) = 22.5.
+  const RankTest test = mann_whitney(Values{1, 2, 2, 3, 4}, Values{4, 5, 5, 6, 7});
+  EXPECT_DOUBLE_EQ(test.u, 0.5);
+  EXPECT_NEAR(test.p, std::erfc((12 - 0.5) / std::sqrt(22.5) / std::sqrt(2.0)), 1e-12);
+  EXPECT_DOUBLE_EQ(mann_whitney(Values{3, 3, 3, 3}, Values{3, 3, 3, 3}).p, 1);
+}
+
+TEST(MannWhitney, ApproximationAgreesWithCounting) {
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> rate(100, 5);
+  Values a(exact_limit), b(exact_limit);
+  for (double& value : a) value = rate(random);
+  for (double& value : b) value = rate(random) + 2;
+  const double exact = mann_whitney(a, b).p;
+  a.push_back(a.back() + 1e-9);
+  EXPECT_NEAR(mann_whitney(a, b).p, exact, 0.1 * exact + 1e-3);
+}
+
+TEST(Verdict, EqualsAreCalledEqualNineteenTimesInTwenty) {
+  // Skewed, as rates on a disturbed machine are.
+  std::mt19937_64 random(3);
+  std::gamma_distribution<double> disturbance(2, 0.05);
+  int different = 0;
+  constexpr int comparisons = 2000;
+  for (int i = 0; i < comparisons; ++i) {
+    Values a(10), b(10);
+    for (double& value : a) value = 1e6 / (1 + disturbance(random));
+    for (double& value : b) value = 1e6 / (1 + disturbance(random));
+    different += judge(a, b) == Verdict::no_difference ? 0 : 1;
+  }
+  EXPECT_LE(different, comparisons * (0.05 + 0.015));
+  EXPECT_GE(different, comparisons * 0.03);  // a test that never speaks would pass the other line
+}
+
+TEST(Verdict, FivePerCentAreFoundAtThirtyRepetitions) {
+  // With a coefficient of variation of 5 per cent.
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> rate(100, 5);
+  int found = 0, backwards = 0;
+  constexpr int comparisons = 300;
+  for (int i = 0; i < comparisons; ++i) {
+    Values a(30), b(30);
+    for (double& value : a) value = rate(random);
+    for (double& value : b) value = rate(random) * 0.95;
+    const Verdict verdict = judge(a, b);
+    found += verdict == Verdict::slower ? 1 : 0;
+    backwards += verdict == Verdict::faster ? 1 : 0;
+  }
+  EXPECT_GE(found, comparisons * 0.93);
+  EXPECT_EQ(backwards, 0);
+}
+
+TEST(Verdict, TooFewRepetitionsAreNotCalledEqual) {
+  EXPECT_EQ(judge(Values{1, 2, 3}, Values{4, 5, 6}), Verdict::too_few);
+  EXPECT_EQ(judge(Values{1, 2, 3, 4}, Values{5, 6, 7, 8}), Verdict::faster);
+  EXPECT_EQ(judge(Values{5, 6, 7, 8}, Values{1, 2, 3, 4}), Verdict::slower);
+  EXPECT_EQ(judge(Values{}, Values{1}), Verdict::too_few);
+}
+
+TEST(Ratio, OfMediansAndItsInterval) {
+  const Ratio twice = ratio(Values{1, 2, 3, 4, 5}, Values{2, 4, 6, 8, 10});
+  EXPECT_DOUBLE_EQ(twice.of_medians, 2);
+  // n = m = 5: P(U <= 2) = 4/252, so the third smallest and largest of 25 ratios.
+  EXPECT_DOUBLE_EQ(twice.interval->low, 2.0 / 3);
+  EXPECT_DOUBLE_EQ(twice.interval->high, 6);
+  EXPECT_FALSE(ratio(Values{1, 2, 3}, Values{4, 5, 6}).interval);
+}
+
+TEST(Ratio, TheIntervalHoldsTheTruthAndAgreesWithTheVerdict) {
+  std::mt19937_64 random(5);
+  std::lognormal_distribution<double> rate(0, 0.1);
+  int holds = 0, agree = 0;
+  constexpr int comparisons = 1000;
+  for (int i = 0; i < comparisons; ++i) {
+    Values a(8), b(8);
+    for (double& value : a) value = rate(random);
+    for (double& value : b) value = rate(random) * 1.1;
+    const Interval interval = *ratio(a, b).interval;
+    holds += interval.low <= 1.1 && 1.1 <= interval.high ? 1 : 0;
+    const bool excludes_one = interval.low > 1 || interval.high < 1;
+    agree += excludes_one == (judge(a, b) != Verdict::no_difference) ? 1 : 0;
+  }
+  EXPECT_GE(holds, comparisons * 0.93);
+  EXPECT_EQ(agree, comparisons);
+}
+
+}  // namespace
+}  // namespace irt::contention
