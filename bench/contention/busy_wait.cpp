@@ -25,9 +25,10 @@ double shortest_round(std::uint64_t waits, std::uint64_t steps) {
 
 }  // namespace
 
-double measure_step_ns() {
+Pace measure_pace() {
   constexpr std::uint64_t steps = 100'000;
-  return shortest_round(1, steps) / static_cast<double>(steps);
+  const double step_ns = shortest_round(1, steps) / static_cast<double>(steps);
+  return {.fixed_ns = std::max(0.0, measure_wait_ns(1) - step_ns), .step_ns = step_ns};
 }
 
 double measure_wait_ns(std::uint64_t steps) {

@@ -115,7 +115,8 @@ std::vector<std::string> changed_conditions(const json& before, const json& afte
   std::vector<std::string> lines;
   const json a = before[0].value("conditions", json::object()),
              b = after[0].value("conditions", json::object());
-  for (const auto& [key, value] : lasting_conditions(a).items()) {
+  const json lasting = lasting_conditions(a);
+  for (const auto& [key, value] : lasting.items()) {
     if (key == "pinning") continue;  // part of the settings of each run
     const json now = b.value(key, json());
     if (now != value)

@@ -8,12 +8,18 @@
 namespace irt::contention {
 
 /// The queue's concrete type, so that its operations can be inlined as in a program that uses it.
-/// Counts are kept in registers and published by a plain store each.
+/// Counts are kept in registers and published by a plain store each: hence `always_inline`, for a
+/// call that is none leaves the hand in registers.
 template <class Queue, bool stamped>
 class Hand {
  public:
   Hand(Queue& queue, Seat& seat)
-      : queue_(queue), seat_(seat), counts_(seat.table.counts[seat.worker]), worker_(seat.worker) {}
+      : queue_(queue),
+        seat_(seat),
+        counts_(seat.table.counts[seat.worker]),
+        stop_(seat.table.stop),
+        worker_(seat.worker),
+        waits_(seat.waits) {}
   Hand(const Hand&) = delete;
   Hand& operator=(const Hand&) = delete;
   ~Hand() {
@@ -21,10 +27,10 @@ class Hand {
     seat_.out += out_;
   }
 
-  bool running() const { return !seat_.table.stop.load(std::memory_order_relaxed); }
+  [[gnu::always_inline]] bool running() const { return !stop_.load(std::memory_order_relaxed); }
 
   /// Pushes `element`; false for *full*.
-  bool push(std::uint64_t element) {
+  [[gnu::always_inline]] bool push(std::uint64_t element) {
     if constexpr (stamped) {
       const std::uint64_t begin = stress::stamp_before();
       const bool accepted = queue_.push(worker_, element);
@@ -32,11 +38,12 @@ class Hand {
       if (accepted) seat_.push_times.record(end - begin);
       return pushed(accepted, element);
     }
-    return pushed(queue_.push(worker_, element), element);
+    const bool accepted = queue_.push(worker_, element);
+    return pushed(accepted, element);
   }
 
   /// Pops into `element`; false for *empty*.
-  bool pop(std::uint64_t& element) {
+  [[gnu::always_inline]] bool pop(std::uint64_t& element) {
     if constexpr (stamped) {
       const std::uint64_t begin = stress::stamp_before();
       const bool found = queue_.pop(worker_, element);
@@ -44,17 +51,18 @@ class Hand {
       if (found) seat_.pop_times.record(end - begin);
       return popped(found, element);
     }
-    return popped(queue_.pop(worker_, element), element);
+    const bool found = queue_.pop(worker_, element);
+    return popped(found, element);
   }
 
   /// Tries until it succeeds; false where the measurement ends before.
-  bool push_until_accepted(std::uint64_t element) {
+  [[gnu::always_inline]] bool push_until_accepted(std::uint64_t element) {
     while (running()) {
       if (push(element)) return true;
     }
     return false;
   }
-  bool pop_until_found(std::uint64_t& element) {
+  [[gnu::always_inline]] bool pop_until_found(std::uint64_t& element) {
     while (running()) {
       if (pop(element)) return true;
     }
@@ -62,18 +70,22 @@ class Hand {
   }
 
   /// An element that no other push of the measurement brings.
-  std::uint64_t fresh() const { return (std::uint64_t{worker_ + 1} << 40) | pushes_; }
+  [[gnu::always_inline]] std::uint64_t fresh() const {
+    return (std::uint64_t{worker_ + 1} << 40) | pushes_;
+  }
 
   /// The work between operations.
-  void work() { busy_wait(seat_.work.next()); }
+  [[gnu::always_inline]] void work() { busy_wait(waits_.next()); }
 
-  std::uint64_t random(std::uint64_t bound) { return next_random(seat_.random) % bound; }
+  [[gnu::always_inline]] std::uint64_t random(std::uint64_t bound) {
+    return next_random(seat_.random) % bound;
+  }
   Seat& seat() { return seat_; }
 
   /// Waits while the queue holds more than `backlog` elements, or an unbounded queue would grow as
   /// long as producers are faster than consumers. Looks at the others' counts every 64 pushes, from
   /// afar enough not to disturb them.
-  void let_consumers_catch_up() {
+  [[gnu::always_inline]] void let_consumers_catch_up() {
     if (pushes_ % 64 != 0) return;
     while (running() && inside() > seat_.table.backlog) {
       counts_.held_back.store(++held_back_, std::memory_order_relaxed);
@@ -82,7 +94,7 @@ class Hand {
   }
 
  private:
-  bool pushed(bool accepted, std::uint64_t element) {
+  [[gnu::always_inline]] bool pushed(bool accepted, std::uint64_t element) {
     if (accepted) {
       counts_.pushes.store(++pushes_, std::memory_order_relaxed);
       in_ += element;
@@ -91,7 +103,7 @@ class Hand {
     }
     return accepted;
   }
-  bool popped(bool found, std::uint64_t element) {
+  [[gnu::always_inline]] bool popped(bool found, std::uint64_t element) {
     if (found) {
       counts_.pops.store(++pops_, std::memory_order_relaxed);
       out_ += element;
@@ -100,7 +112,7 @@ class Hand {
     }
     return found;
   }
-  std::uint64_t inside() const {
+  [[gnu::always_inline]] std::uint64_t inside() const {
     std::uint64_t pushes = 0, pops = 0;
     for (const Counts& one : seat_.table.counts) {
       pops += one.pops.load(std::memory_order_relaxed);
@@ -112,7 +124,9 @@ class Hand {
   Queue& queue_;
   Seat& seat_;
   Counts& counts_;
+  const std::atomic<bool>& stop_;
   unsigned worker_;
+  Waits waits_;
   std::uint64_t pushes_ = 0, pops_ = 0, failed_pushes_ = 0, failed_pops_ = 0, held_back_ = 0;
   std::uint64_t in_ = 0, out_ = 0;
 };

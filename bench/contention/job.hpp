@@ -9,7 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "bench/contention/busy_wait.hpp"
+
 namespace irt::contention {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Pace, fixed_ns, step_ns)
 
 struct Job {
   std::string queue;  ///< a queue of the registry, or `no_queue`
@@ -17,7 +21,7 @@ struct Job {
   unsigned producers = 1, consumers = 1, threads = 1;
   double work_ns = 0;      ///< between operations
   double work_spread = 0;  ///< the share of `work_ns` by which it varies at random
-  double step_ns = 1;      ///< of a busy wait, as calibrated
+  Pace pace;               ///< of busy waits, as calibrated
   std::size_t capacity = 0;
   std::vector<unsigned> processors;  ///< to which the threads are bound in turn; empty: not bound
   double seconds = 0.2;              ///< the timed interval
@@ -28,8 +32,8 @@ struct Job {
   std::vector<std::string> plugins;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, queue, scenario, producers, consumers, threads, work_ns,
-                                   work_spread, step_ns, capacity, processors, seconds,
-                                   warmup_seconds, patience_seconds, latency, seed, plugins)
+                                   work_spread, pace, capacity, processors, seconds, warmup_seconds,
+                                   patience_seconds, latency, seed, plugins)
 
 /// The name of the queue that does nothing, by which the loop itself is measured.
 inline constexpr const char* no_queue = "(nothing)";

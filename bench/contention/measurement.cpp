@@ -75,13 +75,12 @@ class Measurement {
         scenario_(*scenario_at(job.scenario).scenario),
         table_(Cast{job.threads, job.producers, job.consumers}) {
     table_.backlog = job.capacity;
-    table_.pause_steps = steps_for(1000, job.step_ns);
-    const Waits waits(steps_for(job.work_ns, job.step_ns), job.work_spread, 0);
+    table_.pause_steps = steps_for(1000, job.pace);
     std::uint64_t seed = job.seed;
     for (unsigned i = 0; i < job.threads; ++i) {
-      const Waits own(steps_for(job.work_ns, job.step_ns), job.work_spread, next_random(seed));
+      const Waits own(steps_for(job.work_ns, job.pace), job.work_spread, next_random(seed));
       seats_.push_back(std::make_unique<Seat>(table_, i, own, next_random(seed)));
-      seats_.back()->producer_pause_steps = steps_for(scenario_.producer_pause_ns, job.step_ns);
+      seats_.back()->producer_pause_steps = steps_for(scenario_.producer_pause_ns, job.pace);
     }
     // The histograms and whatever else is ours is in place: what comes now is the queue's.
     memory_.emplace();
@@ -91,7 +90,7 @@ class Measurement {
   Sample run(const std::function<void(const Sample&)>& on_hang) {
     prefill();
     sample_.work_ns_measured =
-        job_.work_ns > 0 ? measure_wait_ns(steps_for(job_.work_ns, job_.step_ns)) : 0;
+        job_.work_ns > 0 ? measure_wait_ns(steps_for(job_.work_ns, job_.pace)) : 0;
     if (job_.latency) {
       ticks_per_nanosecond_ = stress::calibrate().ticks_per_nanosecond;
       sample_.clock_ns = measure_clock_ns(ticks_per_nanosecond_);

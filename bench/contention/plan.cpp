@@ -101,7 +101,7 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
   return all;
 }
 
-Job job_of(const Plan& plan, const Row& row, unsigned repetition, double step_ns, bool latency) {
+Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, bool latency) {
   std::uint64_t seed = plan.seed + (std::uint64_t{row.cell} << 32) + repetition;
   return {.queue = row.queue,
           .scenario = row.scenario,
@@ -110,7 +110,7 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, double step_ns
           .threads = row.cast.threads,
           .work_ns = row.work_ns,
           .work_spread = plan.work_spread,
-          .step_ns = step_ns,
+          .pace = pace,
           .capacity = row.capacity,
           .processors = row.placement.processors,
           .seconds = plan.seconds,

@@ -61,7 +61,7 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
 
 /// What the process for a repetition of `row` is told. Each repetition has a seed of its own, the
 /// same for all queues of a cell.
-Job job_of(const Plan& plan, const Row& row, unsigned repetition, double step_ns, bool latency);
+Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, bool latency);
 
 /// The lines by number in the order in which one repetition of the sweep measures them: cell by
 /// cell, and in each cell the queues in an order drawn anew for each repetition, so that none

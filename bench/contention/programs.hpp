@@ -1,4 +1,5 @@
-/// The programs of the scenarios: what each thread does until the measurement ends.
+/// The programs of the scenarios: what each thread does until the measurement ends. Each has a hand
+/// to itself.
 #pragma once
 
 #include <utility>
@@ -9,7 +10,7 @@ namespace irt::contention {
 
 /// Push, work, pop until an element is found, work.
 template <class Hand>
-void pairs(Hand& hand) {
+[[gnu::always_inline]] inline void pairs(Hand&& hand) {
   std::uint64_t element = 0;
   while (hand.running()) {
     hand.push_until_accepted(hand.fresh());
@@ -21,7 +22,7 @@ void pairs(Hand& hand) {
 
 /// Pop, work, push what was popped, work: the queue stays as full as it was.
 template <class Hand>
-void exchange(Hand& hand) {
+[[gnu::always_inline]] inline void exchange(Hand&& hand) {
   std::uint64_t element = 0;
   while (hand.pop_until_found(element)) {
     hand.work();
@@ -32,7 +33,7 @@ void exchange(Hand& hand) {
 
 /// Many pushes, work, as many pops, work. A bounded queue may cut a burst short.
 template <class Hand>
-void bursts(Hand& hand) {
+[[gnu::always_inline]] inline void bursts(Hand&& hand) {
   constexpr unsigned size = 64;
   std::uint64_t element = 0;
   while (hand.running()) {
@@ -47,7 +48,7 @@ void bursts(Hand& hand) {
 
 /// The first threads push, with work after each; the others pop, with work after each found.
 template <class Hand>
-void sides(Hand& hand) {
+[[gnu::always_inline]] inline void sides(Hand&& hand) {
   if (hand.seat().worker < hand.seat().table.cast.producers) {
     while (hand.running()) {
       hand.let_consumers_catch_up();
@@ -64,7 +65,7 @@ void sides(Hand& hand) {
 /// Each of the first threads sends an element to any of the others and waits for one to come back.
 /// `ping` is the hand on the queue there, `pong` on that back.
 template <class Hand>
-void ping_pong(Hand& ping, Hand& pong) {
+[[gnu::always_inline]] inline void ping_pong(Hand&& ping, Hand&& pong) {
   const bool sends = ping.seat().worker < ping.seat().table.cast.producers;
   Hand& there = sends ? ping : pong;
   Hand& back = sends ? pong : ping;
@@ -84,7 +85,7 @@ void ping_pong(Hand& ping, Hand& pong) {
 /// others at the end of the frame, and so does the time they take. What a full queue does not take
 /// is worked off at once.
 template <class Hand>
-void frames(Hand& hand) {
+[[gnu::always_inline]] inline void frames(Hand&& hand) {
   constexpr unsigned roots = 64;
   constexpr unsigned depth_bits = 2;
   Table& table = hand.seat().table;

@@ -71,12 +71,12 @@ struct Table {
 
 /// One thread. `worker` is its number, and its worker in the queue.
 struct Seat {
-  Seat(Table& shared, unsigned number, const Waits& waits, std::uint64_t seed)
-      : table(shared), worker(number), work(waits), random(seed) {}
+  Seat(Table& shared, unsigned number, const Waits& between, std::uint64_t seed)
+      : table(shared), worker(number), waits(between), random(seed) {}
 
   Table& table;
   unsigned worker;
-  Waits work;
+  Waits waits;  ///< between operations
   std::uint64_t random;
   std::uint64_t producer_pause_steps = 0;
   Histogram push_times, pop_times;  ///< ticks; of operations that succeeded

@@ -46,23 +46,23 @@ class SubjectOf final : public Subject {
  private:
   template <bool stamped>
   void run_stamped(Program program, Seat& seat) {
-    Hand<Queue, stamped> hand(*first_, seat);
+    // A hand for each program: one that several share would have to live in memory.
+    const auto hand = [&seat](Queue& queue) { return Hand<Queue, stamped>(queue, seat); };
     switch (program) {
       case Program::pairs:
-        return pairs(hand);
+        return pairs(hand(*first_));
       case Program::exchange:
-        return exchange(hand);
+        return exchange(hand(*first_));
       case Program::bursts:
-        return bursts(hand);
+        return bursts(hand(*first_));
       case Program::sides:
-        return sides(hand);
+        return sides(hand(*first_));
       case Program::frames:
-        return frames(hand);
+        return frames(hand(*first_));
       case Program::ping_pong:
         // Each thread pushes into one queue only and pops from the other only, so that the two
         // hands do not overwrite each other's counts.
-        Hand<Queue, stamped> back(*second_, seat);
-        return ping_pong(hand, back);
+        return ping_pong(hand(*first_), hand(*second_));
     }
   }
 

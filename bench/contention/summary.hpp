@@ -25,7 +25,7 @@ struct Calibration {
   double harness_ns =
       0;  ///< processor time per operation of the loop with a queue that does nothing
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Calibration, step_ns, harness_ns)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Calibration, pace, harness_ns)
 
 /// One run for each row that has results. docs/contention.md says what each figure means.
 nlohmann::ordered_json summarise(const Plan& plan, std::span<const Row> rows,

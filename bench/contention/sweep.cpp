@@ -91,7 +91,7 @@ class Sweep {
 
   void begin(const std::filesystem::path& file) {
     conditions_ = conditions();
-    calibration_.step_ns = measure_step_ns();
+    calibration_.pace = measure_pace();
     calibration_.harness_ns = harness_ns();
     if (cancel_) return;
     journal_ = JsonLines::begin(file, {{"format", format},
@@ -109,7 +109,7 @@ class Sweep {
       job.queue = no_queue;
       job.scenario = "pairs";
       job.capacity = 1;
-      job.step_ns = calibration_.step_ns;
+      job.pace = calibration_.pace;
       job.seconds = 0.03;
       job.warmup_seconds = 0.06;
       const Sample sample = measure_in_child(program_, job, cancel_);
@@ -131,7 +131,7 @@ class Sweep {
                "{} lines of {} repetitions, about {:.0f} s; the loop itself takes {:.2f} ns per "
                "operation, a step of the busy wait {:.2f} ns\n",
                rows_.size(), plan_.repetitions, total() * (plan_.seconds + 0.15),
-               calibration_.harness_ns, calibration_.step_ns);
+               calibration_.harness_ns, calibration_.pace.step_ns);
   }
 
   bool has(unsigned row, unsigned repetition, bool latency) const {
@@ -166,7 +166,7 @@ class Sweep {
   void measure_one(unsigned row, unsigned repetition, bool latency) {
     Result result{.row = row, .repetition = repetition, .latency = latency, .sample = {}};
     result.sample = measure_in_child(
-        program_, job_of(plan_, rows_[row], repetition, calibration_.step_ns, latency), cancel_);
+        program_, job_of(plan_, rows_[row], repetition, calibration_.pace, latency), cancel_);
     if (cancel_) return;
     journal_->add(result);
     results_.push_back(std::move(result));

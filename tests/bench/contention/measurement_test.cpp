@@ -120,15 +120,19 @@ TEST(Pitfalls, FailedPopsAreNotWork) {
 }
 
 TEST(Pitfalls, WorkIsNotOptimisedAwayAndScales) {
-  const double step_ns = measure_step_ns();
-  const auto wait = [&](double ns) { return measure_wait_ns(steps_for(ns, step_ns)); };
-  for (const double ns : {100.0, 1000.0, 10'000.0}) EXPECT_NEAR(wait(ns) / ns, 1, 0.25) << ns;
+  const Pace pace = measure_pace();
+  const auto wait = [&](double ns) { return measure_wait_ns(steps_for(ns, pace)); };
+  for (const double ns : {50.0, 100.0, 1000.0, 10'000.0}) {
+    EXPECT_NEAR(wait(ns) / ns, 1, 0.25) << ns;
+  }
+  EXPECT_EQ(steps_for(0, pace), 0U);
+  EXPECT_GE(steps_for(0.001, pace), 1U);
   EXPECT_NEAR(wait(10'000) / wait(1'000), 10, 2);
 
   // In the loop itself: an operation comes after each 20 us of work, so that is the most.
   Job job = job_for("pairs", 1);
   job.work_ns = 20'000;
-  job.step_ns = step_ns;
+  job.pace = pace;
   const QueueRegistry queues;
   const Sample sample = measure(job, subject_maker(queues, no_queue), never);
   EXPECT_LT(rate(sample), 1e9 / 20'000 * 1.1);

@@ -169,8 +169,8 @@ TEST(Plan, RepetitionsHaveSeedsOfTheirOwnThatQueuesShare) {
   lock.cell = mutex.cell = 3;
   lock.queue = "lock";
   mutex.queue = "mutex";
-  EXPECT_EQ(job_of(plan, lock, 1, 1, false).seed, job_of(plan, mutex, 1, 1, false).seed);
-  EXPECT_NE(job_of(plan, lock, 1, 1, false).seed, job_of(plan, lock, 2, 1, false).seed);
+  EXPECT_EQ(job_of(plan, lock, 1, {}, false).seed, job_of(plan, mutex, 1, {}, false).seed);
+  EXPECT_NE(job_of(plan, lock, 1, {}, false).seed, job_of(plan, lock, 2, {}, false).seed);
 }
 
 TEST(Plan, ACapacityBelowTheThreadsIsRefused) {
