@@ -21,7 +21,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Result, row, repetition, latency, sample)
 
 /// What was measured once for the whole sweep.
 struct Calibration {
-  double step_ns = 0;  ///< of a busy wait
+  Pace pace;  ///< of busy waits
   double harness_ns =
       0;  ///< processor time per operation of the loop with a queue that does nothing
 };
