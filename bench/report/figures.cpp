@@ -109,7 +109,11 @@ class PanelMaker {
 
   std::size_t distinct(const Runs& runs, std::string_view key) const {
     std::set<std::string> values;
-    for (const std::size_t index : runs) values.insert(run(index).text(key));
+    for (const std::size_t index : runs) {
+      // A simulated run tells only the choices that its model knows.
+      const std::string value = run(index).text(key);
+      if (!value.empty() || !run(index).simulated()) values.insert(value);
+    }
     return values.size();
   }
 
@@ -223,7 +227,10 @@ class PanelMaker {
                   .colour = 0,
                   .runs = runs,
                   .facts = series_facts(results_, runs)};
-    for (const Choice* choice : in_series) series.name += ", " + described(first, *choice);
+    for (const Choice* choice : in_series) {
+      if (first.simulated() && first.text(choice->key).empty()) continue;
+      series.name += ", " + described(first, *choice);
+    }
     if (first.simulated()) {
       const std::string machine = first.text("machine");
       series.name += machine.empty() ? ", simulated" : ", simulated " + machine;

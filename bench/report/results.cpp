@@ -27,8 +27,9 @@ constexpr std::array passing{"time", "load_average", "mhz_per_cpu"};
 Family family_of(const Json& run, const std::string& where) {
   const auto wrong = [&](const std::string& what) { return ResultError(where + ": " + what); };
   if (!run.is_object()) throw wrong("no object; a run is one");
+  const bool renders = run.contains("scene") && run.contains("fps");
   if (!run.contains("kind")) {
-    if (run.contains("scene") && run.contains("fps")) return Family::frames;
+    if (renders) return Family::frames;
     throw wrong("neither 'kind' nor 'scene' and 'fps'; no tool of irt writes such");
   }
   if (!run["kind"].is_string()) throw wrong("'kind' is no string");
@@ -37,7 +38,8 @@ Family family_of(const Json& run, const std::string& where) {
   if (std::ranges::find(known, kind) == known.end()) {
     throw wrong(unknown_name("kind of results", kind, known));
   }
-  return kind == "micro" ? Family::micro : Family::operations;
+  if (kind == "micro") return Family::micro;
+  return renders ? Family::frames : Family::operations;
 }
 
 class Collector {
@@ -102,6 +104,7 @@ class Collector {
         conditions = run.fields["conditions"];
       }
       run.fields.erase("conditions");
+      if (run.number("packet_width") == 0) run.fields["packet_width"] = nullptr;  // the default
       if (conditions.contains("time") && conditions["time"].is_string()) {
         run.time = conditions["time"].get<std::string>();
       }

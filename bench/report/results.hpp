@@ -21,7 +21,7 @@ struct ResultError : std::runtime_error {
 
 /// Which tool a run comes from, and so which figures it has.
 enum class Family : std::uint8_t {
-  frames,      ///< `irt compare`, `irt render`, `irt collide`: fields `scene`, `fps`
+  frames,      ///< `irt compare`, `render`, `collide`, simulated frames: fields `scene`, `fps`
   operations,  ///< `irt bench contention` and the simulator: field `kind`
   micro,       ///< Google Benchmark's JSON
 };

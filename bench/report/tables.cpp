@@ -36,6 +36,7 @@ constexpr Column frame_columns[] = {
     {"idle_ms", "idle [ms]"},
     {"barrier_wait_ms", "barrier [ms]"},
     {"imbalance", "imbalance"},
+    {"waiting", "waiting, by cause"},
     {"work_per_task_ns", "work per task [ns]"},
     {"repetitions", "repetitions"},
 };

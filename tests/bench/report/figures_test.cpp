@@ -83,6 +83,24 @@ TEST_F(FiguresTest, SimulatedRunsStandBesideMeasuredOnesAndAreMarked) {
   EXPECT_TRUE(plot(panels[0], "operations_per_second").log_x);
 }
 
+TEST_F(FiguresTest, SimulatedFramesStandBesideMeasuredOnes) {
+  Json runs =
+      Json::array({synthetic::frames("lock", 1, 256, 9), synthetic::frames("lock", 2, 256, 17)});
+  for (const unsigned threads : {1, 64}) {
+    Json run{{"kind", "simulated"}, {"source", "simulated"}, {"machine", "big"},
+             {"queue", "lock"},     {"scene", "office"},     {"scenario", "renderer"},
+             {"threads", threads},  {"task_size", 256},      {"packet_width", 0},
+             {"fps", 8.0 * threads}};
+    run["conditions"] = synthetic::conditions();
+    runs.push_back(run);
+  }
+  const auto panels = panels_of(read(runs));
+  ASSERT_EQ(panels.size(), 1u);
+  EXPECT_EQ(names(panels[0]).front(), "lock");
+  EXPECT_TRUE(names(panels[0]).back().starts_with("lock, simulated big"));
+  EXPECT_EQ(plot(panels[0], "fps").lines[1].size(), 2u);
+}
+
 TEST_F(FiguresTest, TaskSizesAreAFigureOfTheirOwn) {
   Json runs = Json::array();
   for (const unsigned size : {1, 16, 256}) {
