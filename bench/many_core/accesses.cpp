@@ -9,11 +9,24 @@ namespace irt::many_core {
 using virtual_cores::Access;
 using virtual_cores::Operation;
 using virtual_cores::Order;
-using virtual_cores::read_memory;
 using virtual_cores::Value;
-using virtual_cores::write_memory;
 
 namespace {
+
+// As virtual_cores::read_memory and write_memory; inline, for nearly all words have eight bytes.
+Value read_memory(std::uintptr_t address, std::size_t size) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  if (size == 8) return *reinterpret_cast<const volatile std::uint64_t*>(address);
+  return virtual_cores::read_memory(address, size);
+}
+void write_memory(std::uintptr_t address, std::size_t size, Value value) {
+  if (size != 8) {
+    virtual_cores::write_memory(address, size, value);
+    return;
+  }
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  *reinterpret_cast<volatile std::uint64_t*>(address) = static_cast<std::uint64_t>(value);
+}
 
 // The bytes of a line that an access uses, a bit each.
 std::uint64_t bytes_of(std::uintptr_t address, std::size_t size) {

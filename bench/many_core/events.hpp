@@ -37,6 +37,8 @@ class EventQueue {
   EventQueue& operator=(const EventQueue&) = delete;
 
   bool empty() const { return front_ == nullptr; }
+  /// The next event, which stays there. There must be one.
+  const Event& front() const { return *front_; }
   /// When the next event happens; `never` if there is none.
   Time front_time() const { return front_time_; }
 
@@ -63,6 +65,9 @@ class EventQueue {
     if (event.scheduled) remove(event);
     push(event, time);
   }
+
+  /// Notes that something happens at `time` that was never in the queue; as if pushed and taken.
+  void skip_to(Time time) { now_ = time; }
 
   /// Takes the next event. There must be one.
   Event& pop() {
@@ -115,6 +120,7 @@ class EventQueue {
     (event.before == nullptr ? bucket.first : event.before->next) = &event;
     (event.next == nullptr ? bucket.last : event.next->before) = &event;
     used_[index / 64] |= std::uint64_t{1} << index % 64;
+    used_words_ |= 1U << index / 64;
   }
 
   void unlink(Event& event) {
@@ -122,26 +128,31 @@ class EventQueue {
     Bucket& bucket = buckets_[index];
     (event.before == nullptr ? bucket.first : event.before->next) = event.next;
     (event.next == nullptr ? bucket.last : event.next->before) = event.before;
-    if (bucket.first == nullptr) used_[index / 64] &= ~(std::uint64_t{1} << index % 64);
+    if (bucket.first != nullptr) return;
+    used_[index / 64] &= ~(std::uint64_t{1} << index % 64);
+    if (used_[index / 64] == 0) used_words_ &= ~(1U << index / 64);
   }
 
   // The wheel holds less than one turn, so the first bucket from now on has the next event.
   void find_front() {
     const std::size_t start = bucket_of(now_);
-    std::uint64_t word = used_[start / 64] & ~std::uint64_t{0} << start % 64;
-    for (std::size_t i = 0; i <= used_.size(); ++i) {
-      if (word != 0) {
-        const std::size_t at = (start / 64 + i) % used_.size();
-        set_front(buckets_[at * 64 + static_cast<std::size_t>(std::countr_zero(word))].first);
+    std::size_t at = start / 64;
+    std::uint64_t word = used_[at] & ~std::uint64_t{0} << start % 64;
+    if (word == 0) {
+      const std::uint32_t later = std::rotr(used_words_, static_cast<int>(at + 1));
+      if (later == 0) {
+        set_front(far_.empty() ? nullptr : *far_.begin());
         return;
       }
-      word = used_[(start / 64 + i + 1) % used_.size()];
+      at = (at + 1 + static_cast<std::size_t>(std::countr_zero(later))) % used_.size();
+      word = used_[at];
     }
-    set_front(far_.empty() ? nullptr : *far_.begin());
+    set_front(buckets_[at * 64 + static_cast<std::size_t>(std::countr_zero(word))].first);
   }
 
   std::array<Bucket, buckets> buckets_{};
-  std::array<std::uint64_t, buckets / 64> used_{};
+  std::array<std::uint64_t, buckets / 64> used_{};  // a bit for each bucket with events
+  std::uint32_t used_words_ = 0;                    // a bit for each word of `used_` that is not 0
   std::set<Event*, Earlier> far_;
   Event* front_ = nullptr;
   Time front_time_ = never;

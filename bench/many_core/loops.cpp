@@ -47,13 +47,14 @@ void Machine::check_loop(Thread& me, const virtual_cores::Access& access) {
     if (++loop.age < longest_loop) return;
     loop.pc = access.pc;
     loop.address = access.address;
+    loop.has_slept = false;
     loop.rounds = 0;
   } else if (loop.changes != me.changes) {
     loop.rounds = 0;
   } else {
     ++loop.rounds;
   }
-  if (loop.rounds >= rounds_before_looking) {
+  if (loop.rounds >= (loop.has_slept ? 1 : rounds_before_looking)) {
     const std::uint64_t state = hash_of_state(me);
     if (state != 0 && state == loop.state && loop.lines != 0 &&
         loop.lines <= LoopState::max_lines && me.stores.empty())
@@ -75,7 +76,7 @@ void Machine::sleep_in_loop(Thread& me) {
   sync(me);
   const bool all_held = std::all_of(loop.watches.begin(), loop.watches.begin() + loop.lines,
                                     [&me](const Watch& w) { return w.line->held_by(me.core); });
-  if (period <= 0 || !all_held || me.clock >= until_) return;
+  if (period <= 0 || !all_held || me.clock >= me.deadline) return;
   for (unsigned i = 0; i < loop.lines; ++i) {
     Watch& watch = loop.watches[i];
     watch.before = nullptr;
@@ -85,7 +86,9 @@ void Machine::sleep_in_loop(Thread& me) {
   }
   const Time since = me.clock;
   loop.period = period;
-  const Time alarm = std::min(me.deadline, until_);
+  loop.has_slept = true;
+  // It looks up when time is over, since that may be what it waits for.
+  const Time alarm = me.clock < until_ ? std::min(me.deadline, until_) : me.deadline;
   events_.push(me.event, since + (alarm - since + period - 1) / period * period);
   go_on();
   loop.period = 0;

@@ -124,7 +124,8 @@ unsigned Machine::next_thread() {
     if (event.time > until_ && ++events_after_ > patience_events) end_late(event.time);
     if (!counting_ && event.time >= count_from_) start_counting();
     if (event.of_line) {
-      serve(directory_.at(event.index), event.time);
+      const unsigned next = serve(directory_.at(event.index), event.time, never);
+      if (next != host) return next;
       continue;
     }
     Thread& thread = threads_[event.index];
@@ -148,22 +149,48 @@ void Machine::go_on() {
   cores_.switch_to(next_thread());
 }
 
-void Machine::serve(Line& line, Time now) {
+// What happens before the thread's next step happens first. Lines need no other fiber for it.
+void Machine::let_others(Thread& me, Time ahead) {
+  while (me.clock - ahead >= events_.front_time() && events_.front().of_line &&
+         events_.front_time() <= until_ && counting_) {
+    Event& event = events_.pop();
+    ++events_taken_;
+    const unsigned next = serve(directory_.at(event.index), event.time, me.clock - ahead);
+    if (next == host) continue;
+    events_.push(me.event, me.clock);
+    cores_.switch_to(next);
+    return;
+  }
+  if (me.clock - ahead < events_.front_time()) return;
+  events_.push(me.event, me.clock);
+  go_on();
+}
+
+// Serves a request. Where the thread that sent it goes on before anything else happens, and before
+// `limit`, returns it instead of making an event of it.
+unsigned Machine::serve(Line& line, Time now, Time limit) {
   const unsigned owner = line.owner;
   const auto [request, done, moved] = directory_.serve(line, now);
-  if (request == nullptr) return;
+  if (request == nullptr) return host;
   counts_.transfers += moved ? 1 : 0;
   if (line.watchers != nullptr && (request->want != Want::copy || owner != line.owner))
     wake_watchers(line, now);
   Thread& thread = threads_[request->thread];
   if (request->posted) {
     commit_store(thread, line, done);
-    return;
+    return host;
   }
   const Time queued = now - request->arrival;
   note_wait(Cause::queueing, request->arrival, request->arrival + queued);
   note_wait(Cause::transfer, request->issued + queued, done);
-  events_.push(thread.event, done);
+  if (done >= std::min(events_.front_time(), limit)) {
+    events_.push(thread.event, done);
+    return host;
+  }
+  events_.skip_to(done);
+  ++events_taken_;
+  thread.clock = done;
+  return thread.number;
 }
 
 void Machine::start_counting() {

@@ -167,18 +167,16 @@ class Machine final : public virtual_cores::Tenant {
 
   // Order of events (machine.cpp).
   unsigned next_thread();
-  void serve(Line& line, Time now);
+  unsigned serve(Line& line, Time now, Time limit);
   void go_on();
   [[noreturn]] void end(Ending::Kind kind, const std::string& message);
   [[noreturn]] void end_late(Time time);
   void reach_deadline(Thread& me);
   void sync(Thread& me, Time ahead = 0) {
     if (me.clock >= me.deadline) reach_deadline(me);
-    if (me.clock - ahead >= events_.front_time()) {
-      events_.push(me.event, me.clock);
-      go_on();
-    }
+    if (me.clock - ahead >= events_.front_time()) let_others(me, ahead);
   }
+  void let_others(Thread& me, Time ahead);
   void start_counting();
   void note_wait(Cause cause, Time from, Time to) {
     counts_.waited[static_cast<std::size_t>(cause)] +=

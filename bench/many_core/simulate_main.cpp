@@ -4,7 +4,9 @@
 #include <iostream>
 
 #include "bench/frames/interrupt.hpp"
+#include "bench/many_core/sensitivity.hpp"
 #include "bench/many_core/sweep.hpp"
+#include "bench/many_core/validation.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -13,7 +15,7 @@ struct Arguments {
   SweepOptions sweep;
   std::string cores = "1..128", placement = "close", scenario = "pairs";
   double milliseconds = 1;
-  bool list = false;
+  bool validate = false, sensitivity = false, list = false;
 };
 
 int list() {
@@ -68,6 +70,10 @@ int run(int argc, char** argv) {
   app.add_option("--out", sweep.out, "directory of the results")->capture_default_str();
   app.add_option("--json", sweep.json, "write the figures here, too");
   app.add_flag("--resume", sweep.resume, "keep what the last sweep has simulated already");
+  app.add_flag("--validate", arguments.validate,
+               "compare with this machine and with published measurements");
+  app.add_flag("--sensitivity", arguments.sensitivity,
+               "say which conclusions hold over the ranges of the machine's figures");
   app.add_flag("--list", arguments.list, "list machines, queues and primitives");
   try {
     app.parse(argc, argv);
@@ -81,6 +87,8 @@ int run(int argc, char** argv) {
   sweep.scenario = parse_scenario(arguments.scenario);
   sweep.placement = parse_placement(arguments.placement);
   sweep.measured_ns = arguments.milliseconds * 1e6;
+  if (arguments.validate) return validate(sweep, watch_for_interrupt());
+  if (arguments.sensitivity) return sensitivity(sweep, watch_for_interrupt());
   return simulate_sweep(sweep, watch_for_interrupt());
 }
 

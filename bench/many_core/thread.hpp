@@ -62,6 +62,7 @@ struct LoopState {
   std::uint64_t state = 0;     ///< registers and stack then; 0: not known
   unsigned rounds = 0;         ///< without a change
   unsigned age = 0;            ///< loads since then
+  bool has_slept = false;      ///< in this loop, so that looking for it is worth while
   unsigned lines = 0;          ///< in `watches`; more than max_lines: too many
   std::array<Watch, max_lines> watches;
   Time period = 0;  ///< of a round, while the thread sleeps in the loop; else 0

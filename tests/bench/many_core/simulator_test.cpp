@@ -8,6 +8,7 @@
 
 #include "bench/many_core/children.hpp"
 #include "bench/many_core/point.hpp"
+#include "bench/many_core/sweep.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -52,12 +53,12 @@ Point queue(const std::string& name, Scenario scenario, unsigned threads) {
 }
 
 // In a process of its own, as every simulation.
-nlohmann::json run(const Point& point, std::uint64_t seed = 1,
-                   const Profile& profile = simple_machine()) {
+nlohmann::json run(const Point& point, std::uint64_t seed = 1, bool explain = false) {
   nlohmann::json result;
   const std::atomic<bool> never_interrupted{false};
   run_in_children(
-      1, 1, 60, [&](std::size_t) { return simulate(profile, point, seed, false).dump(); },
+      1, 1, 60,
+      [&](std::size_t) { return simulate(simple_machine(), point, seed, explain).dump(); },
       [&](std::size_t, const ChildResult& child) {
         ASSERT_EQ(child.status, "ok") << child.message << child.text;
         result = nlohmann::json::parse(child.text);
@@ -147,6 +148,55 @@ TEST(Simulator, more_threads_than_cores_share_them) {
   const nlohmann::json result = run(point);
   EXPECT_EQ(result["status"], "ok") << result["message"];
   EXPECT_GT(result["pops"].get<double>(), 100);
+}
+
+TEST(Simulator, false_sharing_is_told_from_sharing) {
+  const nlohmann::json neighbours = run(primitive("neighbours", 8, 0), 1, true)["hot_lines"][0];
+  EXPECT_GT(neighbours["false_sharing"].get<double>(), 0.9);
+  const nlohmann::json one_word = run(primitive("faa", 8, 0), 1, true)["hot_lines"][0];
+  EXPECT_LT(one_word["false_sharing"].get<double>(), 0.1);
+  EXPECT_NE(one_word["sites"][0]["source"].get<std::string>().find("fetch_add"), std::string::npos);
+}
+
+TEST(Simulator, a_queue_that_never_answers_is_reported) {
+  Point point = queue("mutex", Scenario::pairs, 4);
+  point.subject = "stuck";
+  point.module = IRT_STUCK;
+  const nlohmann::json result = run(point);
+  EXPECT_EQ(result["status"], "hung");
+  EXPECT_NE(result["message"], "");
+}
+
+TEST(Simulator, a_crash_takes_nothing_with_it) {
+  std::map<std::size_t, std::string> ended;
+  const std::atomic<bool> never_interrupted{false};
+  run_in_children(
+      3, 2, 0.5,
+      [](std::size_t i) -> std::string {
+        if (i == 0) std::abort();
+        while (i == 1) pause();
+        return "done";
+      },
+      [&](std::size_t i, const ChildResult& child) { ended[i] = child.status; }, never_interrupted);
+  const std::map<std::size_t, std::string> expected{{0, "crashed"}, {1, "hung"}, {2, "ok"}};
+  EXPECT_EQ(ended, expected);
+}
+
+TEST(Simulator, counts_of_cores_are_ranges_or_lists) {
+  EXPECT_EQ(parse_cores("1..12"), (std::vector<unsigned>{1, 2, 3, 4, 6, 8, 12}));
+  EXPECT_EQ(parse_cores("24,6"), (std::vector<unsigned>{6, 24}));
+  for (const char* absurd :
+       {"", "0", "-3", "1..", "8..4", "100000", "many", "1,,2", "1..99999999999"})
+    EXPECT_THROW(parse_cores(absurd), UsageError) << absurd;
+}
+
+TEST(Simulator, unknown_names_are_answered_with_the_nearest) {
+  try {
+    parse_scenario("pair");
+    FAIL() << "accepted";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("pairs"), std::string::npos);
+  }
 }
 
 }  // namespace
