@@ -21,9 +21,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Result, row, repetition, latency, sample)
 
 /// What was measured once for the whole sweep.
 struct Calibration {
-  Pace pace;  ///< of busy waits
-  double harness_ns =
-      0;  ///< processor time per operation of the loop with a queue that does nothing
+  Pace pace;              ///< of busy waits
+  double harness_ns = 0;  ///< processor time per operation of the loop without a queue
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Calibration, pace, harness_ns)
 

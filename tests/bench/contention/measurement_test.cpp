@@ -213,6 +213,15 @@ TEST(Measurement, ProducersWaitForConsumersAtTheCapacity) {
   EXPECT_LT(sample.pushes, sample.pops + 256 + 4 * 64 + 1000);
 }
 
+TEST(Measurement, WithoutProcessorTimeNoOperationsAreNoFailure) {
+  Job job = job_for("pairs", 1);
+  job.seconds = 0.05;
+  job.warmup_seconds = 0;
+  const Sample sample = measure_metronome(job, {{.each = milliseconds(500), .first = {}}});
+  EXPECT_EQ(sample.operations(), 0U);
+  EXPECT_EQ(sample.status, "ok") << sample.message;
+}
+
 TEST(Measurement, AProcessorThatIsNotThereIsSaid) {
   EXPECT_NE(bind_to(1'000'000), "");
   Job job = job_for("pairs", 1);
