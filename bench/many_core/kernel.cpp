@@ -62,9 +62,7 @@ Wake Machine::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t 
                    const void* pc) {
   if (!timed_) return Tenant::wait(address, expected, nanoseconds, pc);
   Thread& me = current();
-  // Half of the way to sleep lies before the word is looked at, and is paid in vain where it has
-  // changed.
-  me.clock += syscall_ + futex_wait_ / 2;
+  me.clock += syscall_;
   Sleepers& sleepers = sleepers_of(address);
   enter_bucket(me, sleepers.bucket, pc);
   // The kernel looks at the word while it holds the bucket.
@@ -73,7 +71,7 @@ Wake Machine::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t 
   sleepers.threads.push_back(me.number);
   me.sleeps_at = address;
   ++counts_.sleeps;
-  me.clock += futex_wait_ / 2;
+  me.clock += futex_wait_;
   park(me, nanoseconds < 0 ? never : me.clock + nanoseconds * nanosecond);
   return me.timed_out ? Wake::timed_out : Wake::woken;
 }
