@@ -186,6 +186,11 @@ FileContents read_lines(const std::string& text, const std::filesystem::path& fi
     // Other tools write finished runs, perhaps under a header.
     if (!format.empty()) lines.erase(lines.begin());
     done = lines.size();
+    if (!format.empty() && (lines.empty() || !lines.front().contains("kind"))) {
+      throw ResultError(fmt::format(
+          "{}: a journal of {}, whose results its tool alone can sum up; go on there with --resume",
+          file.string(), format));
+    }
     contents.runs = lines;
   }
   contents.note = fmt::format("a sweep that was not finished: {} results{}", done,

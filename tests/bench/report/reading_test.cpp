@@ -59,6 +59,8 @@ TEST_F(ReadingTest, BadFilesAreOneLineThatNamesTheFile) {
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "missing",
                       refusal("{\"format\":\"irt-frames 2\"}\n", "a.jsonl"));
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "line 1", refusal("nonsense\n", "a.jsonl"));
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "--resume",
+                      refusal("{\"format\":\"other 1\"}\n{\"row\":1}\n", "b.jsonl"));
   EXPECT_THROW(read({directory_ / "none.json"}), ResultError);
   EXPECT_THROW(read({directory_ / "."}), ResultError);
 }
