@@ -239,7 +239,7 @@ class Measurement {
     Histogram nanoseconds;
     std::vector<std::pair<std::size_t, std::uint64_t>> converted;
     const auto convert = [&](std::uint64_t value) {
-      return static_cast<std::uint64_t>(static_cast<double>(value) * per_tick + 0.5);
+      return static_cast<std::uint64_t>(std::llround(static_cast<double>(value) * per_tick));
     };
     for (const auto& [index, count] : ticks.buckets()) {
       const std::uint64_t value = std::min(Histogram::upper_end(index), ticks.max());
