@@ -15,16 +15,29 @@ namespace built_in {
 #undef IRT_QUEUE
 }  // namespace built_in
 
-std::span<const QueueEntry> built_in_queues() {
-  static const std::vector<QueueEntry> entries{
+namespace {
+
+/// Everything registered: what carries elements first.
+struct Registered {
+  Registered() {
+    carriers = std::stable_partition(
+                   entries.begin(), entries.end(),
+                   [](const QueueEntry& entry) { return entry.claims.carries_elements; }) -
+               entries.begin();
+  }
+
+  std::vector<QueueEntry> entries{
 #define IRT_QUEUE(identifier) built_in::entry_of_##identifier(),
 #include "built_in_queues.inc"
 #undef IRT_QUEUE
   };
-  return entries;
-}
+  std::ptrdiff_t carriers = 0;
+};
 
-namespace {
+const Registered& registered() {
+  static const Registered all;
+  return all;
+}
 
 /// What keeps `descriptor` from being used here; empty if nothing does.
 std::string mismatch(const PluginDescriptor& descriptor) {
@@ -45,22 +58,42 @@ std::string mismatch(const PluginDescriptor& descriptor) {
   return {};
 }
 
+const QueueEntry* find_in(std::span<const QueueEntry> entries, std::string_view name) {
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [name](const QueueEntry& entry) { return entry.name == name; });
+  return found == entries.end() ? nullptr : &*found;
+}
+
 }  // namespace
+
+std::span<const QueueEntry> built_in_queues() {
+  return {registered().entries.begin(), registered().entries.begin() + registered().carriers};
+}
+
+std::span<const QueueEntry> built_in_counters() {
+  return {registered().entries.begin() + registered().carriers, registered().entries.end()};
+}
 
 QueueRegistry::QueueRegistry() : entries_(built_in_queues().begin(), built_in_queues().end()) {}
 
 const QueueEntry* QueueRegistry::find(std::string_view name) const {
-  const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                  [name](const QueueEntry& entry) { return entry.name == name; });
-  return found == entries_.end() ? nullptr : &*found;
+  return find_in(entries_, name);
 }
 
 const QueueEntry& QueueRegistry::at(std::string_view name) const {
   if (const QueueEntry* entry = find(name)) return *entry;
+  if (find_in(built_in_counters(), name) != nullptr)
+    throw RegistryError("queue '" + std::string(name) +
+                        "' only counts and carries nothing; irt bench alone can use it");
   std::vector<std::string_view> names;
   names.reserve(entries_.size());
   for (const QueueEntry& entry : entries_) names.push_back(entry.name);
   throw RegistryError(unknown_name("queue", name, names));
+}
+
+const QueueEntry& QueueRegistry::at_or_counter(std::string_view name) const {
+  const QueueEntry* counter = find_in(built_in_counters(), name);
+  return counter != nullptr ? *counter : at(name);
 }
 
 const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
@@ -84,9 +117,9 @@ const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
     dlclose(object);
     throw refuse(why);
   }
-  if (find(descriptor->entry.name) != nullptr)
-    throw RegistryError("plug-in '" + file.string() + "': a queue named '" +
-                        std::string(descriptor->entry.name) +
+  const std::string_view name = descriptor->entry.name;
+  if (find(name) != nullptr || find_in(built_in_counters(), name) != nullptr)
+    throw RegistryError("plug-in '" + file.string() + "': a queue named '" + std::string(name) +
                         "' is there already; give the plug-in another name");
   return entries_.emplace_back(descriptor->entry);
 }

@@ -84,7 +84,11 @@ struct Claims {
   Callers producers = Callers::many;
   Callers consumers = Callers::many;
   Reclamation reclamation = Reclamation::immediate;
-  bool needs_cas2 = false;  ///< uses a 16-byte compare-and-swap
+  bool needs_cas2 = false;         ///< uses a 16-byte compare-and-swap
+  bool all_ones_reserved = false;  ///< the word with all bits set cannot be an element
+  /// False for a baseline that only counts: as many pops succeed as pushes did, or any number, and
+  /// `pop` leaves its argument alone. Only benchmarks can use it.
+  bool carries_elements = true;
 };
 
 // clang-format 14 does not know how to lay out a concept.

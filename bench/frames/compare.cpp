@@ -72,6 +72,18 @@ std::vector<unsigned> default_threads() {
   return threads;
 }
 
+// The queues of the thesis, the null hypothesis and one queue of each library that everyone has;
+// and the user's own.
+std::vector<std::string> default_queues(const QueueRegistry& queues) {
+  std::vector<std::string> names;
+  for (const char* name : {"lock", "lfree", "local", "mutex", "tbb", "boost-lockfree"}) {
+    if (queues.find(name) != nullptr) names.emplace_back(name);
+  }
+  for (const QueueEntry& plugin : queues.entries().subspan(built_in_queues().size()))
+    names.emplace_back(plugin.name);
+  return names;
+}
+
 Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
   Plan plan{.workloads = options.workloads,
             .queues = options.queues,
@@ -82,9 +94,7 @@ Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
             .warmup = options.warmup,
             .shard = options.shard};
   for (WorkloadOptions& workload : plan.workloads) check(workload);
-  if (plan.queues.empty()) {
-    for (const QueueEntry& queue : queues.entries()) plan.queues.emplace_back(queue.name);
-  }
+  if (plan.queues.empty()) plan.queues = default_queues(queues);
   for (const std::string& name : plan.queues) queues.at(name);
   if (plan.threads.empty()) plan.threads = default_threads();
   for (const unsigned threads : plan.threads) settle_threads(threads);

@@ -193,7 +193,9 @@ void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
   workload.add_task_system();
   workload.add_picture();
   workload.add_animation();
-  command.add_option("--queue,--queues", options.queues, "work queues (default: all)")
+  command
+      .add_option("--queue,--queues", options.queues,
+                  "work queues (default: six of them, and plug-ins)")
       ->delimiter(',');
   command.add_option("--threads", options.threads, "as 1,2,4 (default: up to all)")
       ->delimiter(',')

@@ -18,9 +18,14 @@ declare -A package_purpose=(
   [gnuplot-nox]='draws the plots of irt report --plots'
   [chromium]='a browser, in which the page of irt report is tested'
   [libembree-dev]='Embree, which irt bench tracer compares with'
-  [libcds-dev]='libcds, whose queue irt check looks at'
-  [libconcurrentqueue-dev]='moodycamel::ConcurrentQueue, likewise'
-  [libatomic-queue-dev]='atomic_queue, likewise'
+  [libcds-dev]='libcds, whose queues are compared'
+  [libboost-thread-dev]='what the flat combining of libcds needs'
+  [libconcurrentqueue-dev]='moodycamel::ConcurrentQueue, whose queue is compared'
+  [libatomic-queue-dev]='atomic_queue, whose rings are compared'
+  [liburcu-dev]='userspace RCU, whose queues are compared'
+  [libck-dev]='Concurrency Kit, whose queues are compared'
+  [libbenchmark-dev]='Google Benchmark, which irt bench micro rests on'
+  [valgrind]='counts instructions and cache misses for irt bench instructions'
   [clang]='compiles with a second compiler; fuzzers'
   [libclang-rt-dev]='libFuzzer, for the fuzzers'
   [clang-format]='checks the formatting'
@@ -30,8 +35,11 @@ packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev
   libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev
   libboost-context-dev)
 packages_test=("${packages_tools[@]}" libgtest-dev)
-packages_full=("${packages_test[@]}" clang libclang-rt-dev libcds-dev libconcurrentqueue-dev
-  libatomic-queue-dev gnuplot-nox chromium)
+# Other people's queues, docs/comparators.md. The first start does without.
+packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev libatomic-queue-dev
+  liburcu-dev libck-dev)
+packages_full=("${packages_test[@]}" clang libclang-rt-dev "${packages_comparators[@]}"
+  libbenchmark-dev valgrind gnuplot-nox chromium)
 # What a target does without where it cannot be installed.
 declare -A optional_packages=([irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox)
 packages_format=(clang-format)

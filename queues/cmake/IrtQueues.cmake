@@ -1,9 +1,19 @@
 # How a queue joins the testbed: one header, one line.
 #
-#   irt_add_queue(<name> <header> <class> [REQUIRES <imported target>... [PACKAGE <Debian package>]])
+#   irt_add_queue(<name> <header> <class> [REQUIRES <imported target>... [PACKAGE <Debian package>]]
+#                 [OPAQUE])
 #
 # registers the class template <class> of <header> (relative to the calling CMakeLists.txt) as the
 # queue <name>. Where a required target does not exist the queue is off, with one status line.
+# OPAQUE says that some of its atomic operations are compiled code or inline assembly, which
+# -fsanitize=thread does not see: such a queue is off in builds with ThreadSanitizer, where it would
+# look like one large data race, and is not built for virtual cores (global property
+# IRT_VISIBLE_QUEUES).
+#
+#   irt_library(<target> <header> [<library>...])
+#
+# makes the imported <target> of a library without a CMake package, if its header and the libraries
+# named are found.
 #
 #   irt_for_each_queue(<template> <out-var> [QUEUES <name>...])
 #
@@ -18,7 +28,7 @@
 include(optional_part)
 
 function(irt_add_queue name header class)
-  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "PACKAGE" "REQUIRES")
+  cmake_parse_arguments(PARSE_ARGV 3 ARG "OPAQUE" "PACKAGE" "REQUIRES")
   if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
     message(FATAL_ERROR "queue '${name}': a name is lower-case words joined by '-'")
   endif()
@@ -39,9 +49,16 @@ function(irt_add_queue name header class)
   if(ARG_PACKAGE)
     optional_part("queue ${name}" "${ARG_PACKAGE}" TRUE)
   endif()
+  if(ARG_OPAQUE AND CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
+    message(STATUS "queue ${name}: off under ThreadSanitizer, which does not see its atomics")
+    return()
+  endif()
 
   cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_property(GLOBAL APPEND PROPERTY IRT_QUEUES ${name})
+  if(NOT ARG_OPAQUE)
+    set_property(GLOBAL APPEND PROPERTY IRT_VISIBLE_QUEUES ${name})
+  endif()
   set_property(GLOBAL PROPERTY IRT_QUEUE_HEADER_${name} ${header})
   set_property(GLOBAL PROPERTY IRT_QUEUE_CLASS_${name} ${class})
 
@@ -51,6 +68,24 @@ function(irt_add_queue name header class)
     add_library(irt_queue_headers INTERFACE)
   endif()
   target_link_libraries(irt_queue_headers INTERFACE irt_queue_${name})
+endfunction()
+
+function(irt_library target header)
+  string(MAKE_C_IDENTIFIER "IRT_${target}" prefix)
+  find_path(${prefix}_INCLUDE ${header})
+  mark_as_advanced(${prefix}_INCLUDE)
+  set(found ${${prefix}_INCLUDE})
+  foreach(library IN LISTS ARGN)
+    find_library(${prefix}_${library} ${library})
+    mark_as_advanced(${prefix}_${library})
+    list(APPEND found ${${prefix}_${library}})
+  endforeach()
+  if(NOT found MATCHES "NOTFOUND")
+    add_library(${target} INTERFACE IMPORTED GLOBAL)
+    list(POP_FRONT found include)
+    target_include_directories(${target} INTERFACE ${include})
+    target_link_libraries(${target} INTERFACE ${found})
+  endif()
 endfunction()
 
 function(irt_for_each_queue template out_var)
@@ -66,6 +101,10 @@ function(irt_for_each_queue template out_var)
     string(REPLACE "-" "_" QUEUE_IDENTIFIER ${QUEUE_NAME})
     set(source ${CMAKE_CURRENT_BINARY_DIR}/${QUEUE_IDENTIFIER}_${suffix})
     configure_file(${template} ${source} @ONLY)
+    if(QUEUE_HEADER MATCHES "comparators/")
+      # Libraries are measured without their assertions.
+      set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS NDEBUG)
+    endif()
     list(APPEND sources ${source})
   endforeach()
   set(${out_var} ${sources} PARENT_SCOPE)

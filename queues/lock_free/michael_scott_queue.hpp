@@ -36,26 +36,20 @@
 
 namespace irt {
 
-template <class T>
-class MichaelScottQueue {
+/// The algorithm. `Reclaimer` protects nodes and frees them, as `HazardPointers` does.
+template <class T, template <class Node> class Reclaimer>
+class MichaelScottList {
  public:
-  static constexpr std::string_view summary =
-      "LFREE (thesis 7.3): Michael and Scott's queue, hazard pointers";
-  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
-                                 .push = Progress::lock_free,
-                                 .pop = Progress::lock_free,
-                                 .reclamation = Reclamation::hazard_pointers};
-
   /// Nodes are reclaimed in batches no larger than `capacity`: who expects few tasks gets few
   /// nodes held back.
-  MichaelScottQueue(unsigned workers, std::size_t capacity)
+  MichaelScottList(unsigned workers, std::size_t capacity)
       : hazards_(workers, std::min<std::size_t>(capacity, std::max(64U, 4 * workers))) {}
-  MichaelScottQueue(const MichaelScottQueue&) = delete;
-  MichaelScottQueue& operator=(const MichaelScottQueue&) = delete;
+  MichaelScottList(const MichaelScottList&) = delete;
+  MichaelScottList& operator=(const MichaelScottList&) = delete;
 
-  ~MichaelScottQueue() {
+  ~MichaelScottList() {
     // relaxed, twice: destruction is single-threaded
-    Node* node = head_.load(std::memory_order_relaxed);
+    Node* node = Reclaimer<Node>::frees ? head_.load(std::memory_order_relaxed) : first_;
     while (node != nullptr) {
       Node* next = node->next.load(std::memory_order_relaxed);
       delete node;
@@ -126,9 +120,25 @@ class MichaelScottQueue {
     tail_.compare_exchange_strong(from, to, std::memory_order_release, std::memory_order_relaxed);
   }
 
-  HazardPointers<Node, 2> hazards_;
-  alignas(cache_line_pair) std::atomic<Node*> head_{new Node};
-  alignas(cache_line_pair) std::atomic<Node*> tail_{head_.load()};
+  Reclaimer<Node> hazards_;
+  Node* const first_ = new Node;  // from here on all nodes are linked, where none is freed
+  alignas(cache_line_pair) std::atomic<Node*> head_{first_};
+  alignas(cache_line_pair) std::atomic<Node*> tail_{first_};
+};
+
+template <class Node>
+using TwoHazardPointers = HazardPointers<Node, 2>;
+
+template <class T>
+class MichaelScottQueue : public MichaelScottList<T, TwoHazardPointers> {
+ public:
+  static constexpr std::string_view summary =
+      "LFREE (thesis 7.3): Michael and Scott's queue, hazard pointers";
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
+                                 .push = Progress::lock_free,
+                                 .pop = Progress::lock_free,
+                                 .reclamation = Reclamation::hazard_pointers};
+  using MichaelScottList<T, TwoHazardPointers>::MichaelScottList;
 };
 
 }  // namespace irt

@@ -35,6 +35,9 @@ namespace irt {
 template <class Node, std::size_t slots, class Free = std::default_delete<Node>>
 class HazardPointers {
  public:
+  /// What is retired is freed.
+  static constexpr bool frees = true;
+
   /// For `workers` workers (see queues/work_queue.hpp for what a worker is). A scan follows every
   /// `batch` retired nodes, at least 1: more nodes held back, less work for each.
   HazardPointers(unsigned workers, std::size_t batch)

@@ -154,6 +154,9 @@ int run_mutants(CommandLine& line) {
 int run(const CommandLine& line) {
   irt::virtual_cores::Module module(line.module);
   const irt::QueueEntry& entry = *module.function<const irt::QueueEntry*()>("irt_queue_entry")();
+  if (!entry.claims.carries_elements)
+    usage_error(fmt::format("queue {} only counts and carries nothing; irt bench alone can use it",
+                            entry.name));
   const checker::CheckSettings& settings = line.settings;
   std::string command = "irt check --queue " + std::string(entry.name);
   if (line.queue.empty()) command = "irt check --module " + line.module;

@@ -48,6 +48,19 @@ TEST(Registry, finds_by_name_and_guesses_what_was_meant) {
             std::string::npos);
 }
 
+TEST(Registry, keeps_counters_for_who_asks_for_them) {
+  const QueueRegistry registry;
+  ASSERT_FALSE(built_in_counters().empty());
+  for (const QueueEntry& counter : built_in_counters()) {
+    EXPECT_FALSE(counter.claims.carries_elements);
+    EXPECT_EQ(registry.find(counter.name), nullptr);
+    EXPECT_EQ(registry.at_or_counter(counter.name).name, counter.name);
+  }
+  EXPECT_EQ(registry.at_or_counter("lfree").name, "lfree");
+  EXPECT_NE(message_of([&] { registry.at("faa"); }).find("only counts"), std::string::npos);
+  for (const QueueEntry& queue : built_in_queues()) EXPECT_TRUE(queue.claims.carries_elements);
+}
+
 class BadPlugin : public testing::Test {
  protected:
   /// The line that opening `file` answers with; one line that names the file, or the test fails.

@@ -32,7 +32,7 @@ TEST(Packages, libcds_moves_its_head_with_too_weak_an_order) {
 }
 
 TEST(Packages, others_keep_their_promises) {
-  for (const char* name : {"moodycamel-queue", "atomic-queue"}) {
+  for (const char* name : {"moodycamel-tokens", "small-atomic-queue"}) {
     if (!installed(name)) continue;
     for (const char* shape : {"E|E|D", "E|D|D", "EE:DE|D"})
       EXPECT_EQ(finding(name, shape), "") << name << " on " << shape;
