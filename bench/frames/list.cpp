@@ -12,7 +12,7 @@ namespace {
 template <class Entries>
 void section(std::string_view title, std::string_view option, const Entries& entries) {
   fmt::print("{} ({})\n", title, option);
-  for (const auto& entry : entries) fmt::print("  {:<18}{}\n", entry.name, entry.summary);
+  for (const auto& entry : entries) fmt::print("  {:<25}{}\n", entry.name, entry.summary);
   fmt::print("\n");
 }
 

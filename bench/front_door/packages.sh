@@ -41,7 +41,9 @@ packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev liba
 packages_full=("${packages_test[@]}" clang libclang-rt-dev "${packages_comparators[@]}"
   libbenchmark-dev valgrind gnuplot-nox chromium)
 # What a target does without where it cannot be installed.
-declare -A optional_packages=([irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox)
+declare -A optional_packages=([irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox
+  [irt-micro]="libbenchmark-dev ${packages_comparators[*]}"
+  [irt-instructions]="valgrind ${packages_comparators[*]}")
 packages_format=(clang-format)
 packages_tidy=("${packages_full[@]}" clang-tidy)
 

@@ -21,6 +21,18 @@
 #include "queues/work_queue.hpp"
 
 namespace irt {
+namespace urcu {
+
+/// The library must know each thread that reads, once.
+inline void register_thread() {
+  struct Registered {
+    Registered() { urcu_memb_register_thread(); }
+    ~Registered() { urcu_memb_unregister_thread(); }
+  };
+  static thread_local const Registered registered;
+}
+
+}  // namespace urcu
 
 template <class T>
 class UrcuLfQueue {
@@ -47,7 +59,7 @@ class UrcuLfQueue {
 
   /// Adds `task`. Lock-free. Always true.
   bool push(unsigned /*worker*/, T task) {
-    register_thread();
+    urcu::register_thread();
     auto* node = new Node;
     node->task = task;
     cds_lfq_node_init_rcu(node);
@@ -59,7 +71,7 @@ class UrcuLfQueue {
 
   /// Takes the oldest task; false if it sees none. Lock-free.
   bool pop(unsigned /*worker*/, T& task) {
-    register_thread();
+    urcu::register_thread();
     urcu_memb_read_lock();
     cds_lfq_node_rcu* const first = cds_lfq_dequeue_rcu(&queue_);
     urcu_memb_read_unlock();
@@ -79,15 +91,6 @@ class UrcuLfQueue {
   struct Node : Retired, cds_lfq_node_rcu {
     T task{};
   };
-
-  /// The library must know each thread that reads.
-  static void register_thread() {
-    struct Registered {
-      Registered() { urcu_memb_register_thread(); }
-      ~Registered() { urcu_memb_unregister_thread(); }
-    };
-    static thread_local const Registered registered;
-  }
 
   cds_lfq_queue_rcu queue_{};
 };

@@ -1,0 +1,85 @@
+#include "bench/counted/pairs.hpp"
+
+#include <atomic>
+#include <barrier>
+#include <chrono>
+#include <thread>
+
+#include "queues/cache_line.hpp"
+
+namespace irt {
+namespace {
+
+struct alignas(cache_line_pair) Seat {
+  std::uint64_t operations = 0;
+  std::uint64_t failed = 0;
+  AtomicEvents events;
+};
+
+void push_and_pop(AnyWorkQueue<std::uint64_t>& queue, unsigned worker,
+                  const std::atomic<bool>& stop, Seat& seat) {
+  constexpr int pairs_at_a_time = 64;  // between two looks at `stop`
+  std::uint64_t word = 0;
+  std::uint64_t done = 0;
+  std::uint64_t tried = 0;
+  // relaxed: nothing but the flag itself is read
+  while (!stop.load(std::memory_order_relaxed)) {
+    for (int pair = 0; pair < pairs_at_a_time; ++pair) {
+      done += queue.push(worker, 1) ? 1 : 0;
+      done += queue.pop(worker, word) ? 1 : 0;
+    }
+    tried += 2 * pairs_at_a_time;
+  }
+  seat.operations = done;
+  seat.failed = tried - done;
+}
+
+/// One round; returns successful operations per second.
+double run(const QueueEntry& entry, const PairsOptions& options, Seat& sum) {
+  using Clock = std::chrono::steady_clock;
+  const auto queue = entry.make_word_queue(options.threads, 1024);
+  std::vector<Seat> seats(options.threads);
+  std::atomic<bool> stop{false};
+  std::barrier start(options.threads + 1);
+  std::vector<std::thread> threads;
+  for (unsigned worker = 0; worker < options.threads; ++worker)
+    threads.emplace_back([&, worker] {
+      start.arrive_and_wait();
+      atomic_events() = {};
+      push_and_pop(*queue, worker, stop, seats[worker]);
+      seats[worker].events = atomic_events();
+    });
+  start.arrive_and_wait();
+  const Clock::time_point begin = Clock::now();
+  std::this_thread::sleep_for(std::chrono::duration<double>(options.seconds));
+  stop = true;
+  const std::chrono::duration<double> passed = Clock::now() - begin;
+  for (std::thread& thread : threads) thread.join();
+  std::uint64_t operations = 0;
+  for (const Seat& seat : seats) {
+    operations += seat.operations;
+    sum.failed += seat.failed;
+    sum.events += seat.events;
+  }
+  sum.operations += operations;
+  return static_cast<double>(operations) / passed.count();
+}
+
+}  // namespace
+
+CountedPairs count_pairs(const QueueEntry& plain, const QueueEntry& counted,
+                         const PairsOptions& options) {
+  CountedPairs result;
+  Seat ignored;
+  Seat sum;
+  for (unsigned round = 0; round < options.rounds; ++round) {
+    result.plain_per_second.push_back(run(plain, options, ignored));
+    result.counted_per_second.push_back(run(counted, options, sum));
+  }
+  result.operations = sum.operations;
+  result.failed = sum.failed;
+  result.events = sum.events;
+  return result;
+}
+
+}  // namespace irt
