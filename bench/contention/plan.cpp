@@ -34,7 +34,7 @@ void settle(Plan& plan, const QueueRegistry& queues, const Machine& machine) {
   if (plan.queues.empty()) {
     for (const QueueEntry& queue : queues.entries()) plan.queues.emplace_back(queue.name);
   }
-  for (const std::string& name : plan.queues) queues.at(name);
+  for (const std::string& name : plan.queues) queues.at_or_counter(name);
   for (const std::string& name : plan.scenarios) scenario_at(name);
   for (const std::string& name : plan.placements) place(name, machine);
   if (plan.threads.empty()) {
@@ -65,7 +65,7 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
     if (number % plan.shards != plan.shard) return;
     const Cast cast = chosen.cast(threads);
     for (const std::string& name : plan.queues) {
-      const std::string why = obstacle(cast, queues.at(name).claims);
+      const std::string why = obstacle(cast, queues.at_or_counter(name).claims);
       if (!why.empty()) {
         left_out.insert(fmt::format("{} does not play {}: {}", name, chosen.name(), why));
         continue;

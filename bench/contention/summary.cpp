@@ -154,7 +154,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
        mean_figure([](const Sample& s) { return static_cast<double>(s.memory_peak_bytes); })},
       {"energy_joules", or_null(joules(samples))},
       {"counters", counters(samples)},
-      {"claims", claims_in_words(queues.at(row.queue).claims)},
+      {"claims", claims_in_words(queues.at_or_counter(row.queue).claims)},
       {"allocator", allocator()},
       {"seed", plan.seed},
       {"conditions", std::move(conditions)},
