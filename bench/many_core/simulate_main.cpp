@@ -1,9 +1,11 @@
 /// `irt simulate`: how a queue behaves on machines that are not there.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fmt/format.h>
 #include <iostream>
 
 #include "bench/frames/interrupt.hpp"
+#include "bench/many_core/renderer_sweep.hpp"
 #include "bench/many_core/sensitivity.hpp"
 #include "bench/many_core/sweep.hpp"
 #include "bench/many_core/validation.hpp"
@@ -34,6 +36,7 @@ int run(int argc, char** argv) {
       "Predicts how queues behave on many cores, by running their unmodified code on virtual cores "
       "under a cache-coherence cost model. Every figure is simulated.",
       "irt simulate");
+  app.footer("--renderer replays the ray tracer instead: irt simulate --renderer --help");
   Arguments arguments;
   SweepOptions& sweep = arguments.sweep;
   app.add_option("--machine", sweep.machines,
@@ -97,6 +100,10 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (std::ranges::find(arguments, "--renderer") != arguments.end()) {
+      return irt::many_core::simulate_renderer(arguments);
+    }
     return irt::many_core::run(argc, argv);
   } catch (const std::exception& error) {
     std::cerr << "irt simulate: " << error.what() << '\n';
