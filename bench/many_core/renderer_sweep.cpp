@@ -1,12 +1,11 @@
 #include "bench/many_core/renderer_sweep.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
-#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <thread>
 
+#include "bench/frames/mean_interval.hpp"
 #include "bench/many_core/children.hpp"
 
 namespace irt::many_core {
@@ -27,17 +26,6 @@ Json mean_of(const std::vector<Json>& results, const std::string& key) {
   return sum / static_cast<double>(results.size());
 }
 
-// Half of the width of the 95 % confidence interval of the mean (Student).
-double half_width(const std::vector<double>& samples) {
-  if (samples.size() < 2) return 0;
-  const auto n = static_cast<double>(samples.size());
-  double mean = 0, squares = 0;
-  for (const double sample : samples) mean += sample / n;
-  for (const double sample : samples) squares += (sample - mean) * (sample - mean);
-  const boost::math::students_t distribution(n - 1);
-  return boost::math::quantile(distribution, 0.975) * std::sqrt(squares / (n - 1) / n);
-}
-
 Json merged(const std::vector<Json>& results) {
   Json run;
   const auto bad =
@@ -51,9 +39,10 @@ Json merged(const std::vector<Json>& results) {
   run["message"] = "";
   std::vector<double> fps;
   for (const Json& result : results) fps.push_back(result["fps"]);
-  run["fps"] = mean_of(results, "fps");
-  run["fps_low"] = run["fps"].get<double>() - half_width(fps);
-  run["fps_high"] = run["fps"].get<double>() + half_width(fps);
+  const MeanInterval interval = mean_interval(fps);
+  run["fps"] = interval.mean;
+  run["fps_low"] = interval.low ? Json(*interval.low) : Json(nullptr);
+  run["fps_high"] = interval.high ? Json(*interval.high) : Json(nullptr);
   run["samples"] = fps;
   for (const auto& [key, value] : results.front().items()) {
     if (value.is_number() && key != "fps") run[key] = mean_of(results, key);

@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/frames/files.hpp"
 #include "bench/frames/interrupt.hpp"
-#include "bench/frames/progress.hpp"
+#include "bench/frames/text_files.hpp"
 #include "bench/frames/usage_error.hpp"
 #include "bench/many_core/renderer_sweep.hpp"
 #include "bench/many_core/renderer_validation.hpp"
