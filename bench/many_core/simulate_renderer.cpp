@@ -101,7 +101,12 @@ std::vector<Pace> paces(const Arguments& given) {
 
 void settle(Arguments& given, const QueueRegistry& registry) {
   if (given.queues.empty()) given.queues = {"local", "lfree", "lock"};
-  for (const std::string& queue : given.queues) registry.at(queue);
+  for (const std::string& queue : given.queues) {
+    if (registry.at(queue).claims.carries_elements) continue;
+    throw UsageError(fmt::format(
+        "--queue {}: only counts elements; the renderer needs a queue that gives back its tasks",
+        queue));
+  }
   if (given.scenes.empty()) given.scenes.emplace_back();
   given.workload.height = given.workload.width;
   parse_placement(given.placement);
