@@ -139,10 +139,10 @@ void Directory::send(Line& line, Request& request, Time now) {
 // The request whose turn it is: the earliest, or one of the socket that has the line.
 Request& Directory::take(Line& line, Time now) {
   std::vector<Waiting>& queues = *line.queues;
-  Waiting* chosen = nullptr;
+  Waiting* chosen = &queues.front();
   for (Waiting& waiting : queues)
     if (waiting.first != nullptr &&
-        (chosen == nullptr || waiting.first->arrival < chosen->first->arrival))
+        (chosen->first == nullptr || waiting.first->arrival < chosen->first->arrival))
       chosen = &waiting;
   Waiting* near = line.last == nobody ? nullptr : &queues[topology_.socket(line.last)];
   const bool overtakes = near != nullptr && near != chosen && near->first != nullptr &&
