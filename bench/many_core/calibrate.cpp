@@ -222,7 +222,7 @@ void write_wake(Author& author, const std::vector<Place>& places, Calibration& c
   if (system.virtual_machine && latency.median > 2 * bare_metal) {
     how =
         "on a virtual machine, whose halted core the hypervisor has to start; bare metal takes "
-        "3 to 5 us (many-core.md 5.3)";
+        "3 to 5 us (trial of the model)";
     latency.low = std::min(latency.low, bare_metal);
     calibration.remarks.push_back(fmt::format(
         "waking a thread takes {:.1f} us: this is a virtual machine, whose halted core the "
@@ -325,8 +325,9 @@ Calibration calibrate(const std::string& name, const std::string& date) {
   write_alone(author, alone);
   calibration.checks.push_back(
       fmt::format("locking and unlocking a free mutex: {:.1f} ns", alone.mutex.median));
-  author.assume("overlap", 0.1, 0.1, 0.5, "many-core.md 5.2");
-  author.assume("read_occupancy", 18, 4, 25, "many-core.md 5.2; needs more cores than were tried");
+  author.assume("overlap", 0.1, 0.1, 0.5, "trial of the model");
+  author.assume("read_occupancy", 18, 4, 25,
+                "trial of the model; needs more cores than were tried");
   if (profile.threads() < 2) {
     author.assume("conflict", 20, 0, 35, "there is one core");
     calibration.remarks.push_back(

@@ -26,7 +26,7 @@ struct Row {
   std::string_view fallback_source;
 };
 
-constexpr std::string_view bare_metal = "many-core.md 5.3, bare-metal Linux";
+constexpr std::string_view bare_metal = "trial of the model, bare-metal Linux";
 
 template <Distance level>
 double& transfer(Profile& profile) {
@@ -42,7 +42,7 @@ constexpr std::array rows{
         {}},
     Row{{"store_hit", "store, not waited for", 0, longest, IRT_MEMBER(store_hit)},
         0.4,
-        "many-core.md 2.3, Emerald Rapids: 0.34"},
+        "two-core virtual machine, Emerald Rapids: 0.34"},
     Row{{"rmw_hit", "read-modify-write of a line the core owns", 0, longest, IRT_MEMBER(rmw_hit)},
         no_default,
         {}},
@@ -73,16 +73,16 @@ constexpr std::array rows{
     Row{{"shared_fetch", "factor of a transfer where the copy is clean", 0.01, 2,
          IRT_MEMBER(shared_fetch)},
         0.8,
-        "many-core.md 5.3"},
+        "trial of the model"},
     Row{{"dram", "a line that no cache holds", 0, longest, IRT_MEMBER(dram)}, no_default, {}},
     Row{{"home_remote", "added where the line's home is another socket", 0, longest,
          IRT_MEMBER(home_remote)},
         0,
-        "many-core.md 2.1: no such effect on this kind of machine"},
+        "core-to-core matrices: no such effect on this kind of machine"},
     Row{{"overlap", "share of a transfer while the line is still busy", 0, 0.95,
          IRT_MEMBER(overlap)},
         0.1,
-        "many-core.md 5.2, meshes and CCX"},
+        "trial of the model, meshes and CCX"},
     Row{{"conflict", "added where other requests wait", 0, longest, IRT_MEMBER(conflict)},
         no_default,
         {}},
@@ -92,7 +92,7 @@ constexpr std::array rows{
     Row{{"invalidate_per_sharer", "added per copy to invalidate", 0, longest,
          IRT_MEMBER(invalidate_per_sharer)},
         3,
-        "many-core.md 5.2"},
+        "trial of the model"},
     Row{{"bypass", "requests of the owner's socket that may overtake", 0, 64, IRT_MEMBER(bypass)},
         0,
         "assumed: first come, first served"},
@@ -121,13 +121,13 @@ constexpr std::array rows{
     Row{{"kernel.switch_same_core", "from one thread to another", 0, longest,
          IRT_MEMBER(switch_same_core)},
         1100,
-        "many-core.md 2.3"},
+        "two-core virtual machine"},
     Row{{"kernel.quantum", "a thread runs while others wait", 1000, longest, IRT_MEMBER(quantum)},
         3e6,
         "Linux: 0.75 ms base slice, scaled by 4 for 8 processors and more"},
     Row{{"smt_slowdown", "local work beside a busy sibling", 1, 8, IRT_MEMBER(smt_slowdown)},
         1.45,
-        "many-core.md 5.6, assumed: 1.3 to 1.6"},
+        "trial of the model, assumed: 1.3 to 1.6"},
 };
 #undef IRT_MEMBER
 

@@ -88,9 +88,9 @@ class Player final : public ReplayHost {
 };
 
 // Contributions that wait for each other, by a lock, are all made one after the other. Others
-// overlap: one fetch-and-add of a remote line takes 86 ns, of many in a row 14 each (many-core.md
-// 2.3), which is to say that six are on their way at once. The simulator has one at a time, so it
-// is given those to every sixth line.
+// overlap: one fetch-and-add of a remote line takes 86 ns, of many in a row 14 each (on a
+// two-core virtual machine), which is to say that six are on their way at once. The simulator has
+// one at a time, so it is given those to every sixth line.
 void Player::choose_contributions() {
   constexpr std::uint32_t in_flight = 6, bytes_per_pixel = 24;
   const std::uint32_t stride = options_.frame_buffer == "spinlock" ? 1 : in_flight;

@@ -24,7 +24,7 @@ struct Variant {
   Profile profile;
 };
 
-// What many-core.md, 6 (T5), asks for, where the profile does not give a range of its own:
+// The usual ranges, where the profile does not give one of its own:
 // transfers by a quarter, the share of a transfer that overlaps, what a conflict and a read cost,
 // who may overtake, and how long waking takes.
 std::vector<Variant> variants_of(const Profile& base) {
