@@ -143,6 +143,7 @@ bool draw(const std::vector<std::string>& scripts, const std::filesystem::path& 
   std::vector<std::string> words{"gnuplot"};
   words.insert(words.end(), scripts.begin(), scripts.end());
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;

@@ -45,6 +45,7 @@ Browser::Browser() {
                                  "--remote-debugging-pipe"};
   if (geteuid() == 0) words.emplace_back("--no-sandbox");
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   child_ = fork();
