@@ -92,6 +92,9 @@ void check(const QueueEntry& entry, unsigned producers, unsigned consumers, std:
   constexpr std::uint64_t each = 50'000;
   const auto queue = entry.make_word_queue(std::max(producers, consumers), capacity);
   const std::vector<Seen> seen = meet(*queue, producers, consumers, each);
+  constexpr std::uint64_t least = 100;
+  for (unsigned worker = 0; worker < producers; ++worker)
+    EXPECT_GE(seen[worker].pushed, least) << "push refuses, or takes seconds";
   expect_each_once(seen, producers);
   const Ordering ordering = entry.claims.ordering;
   if (ordering != Ordering::unordered && ordering != Ordering::k_relaxed_fifo)
