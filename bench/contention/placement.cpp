@@ -134,6 +134,7 @@ std::span<const Policy> policies() {
 
 Placement place(std::string_view policy, const Machine& machine) {
   std::vector<std::string_view> names;
+  names.reserve(std::size(table));
   for (const Policy& one : table) names.push_back(one.name);
   if (std::ranges::find(names, policy) == names.end()) {
     throw UsageError(unknown_name("placement", policy, names));

@@ -253,11 +253,15 @@ int parse_and_run(int argc, char** argv) {
   irt::stress::Options options;
   CLI::App app{"Tries to break what queues claim, on real threads. Exit code 1: a claim broke."};
   app.name("irt stress");
-  app.add_option("-q,--queue", options.queues, "queues by name, or all")->capture_default_str();
+  app.add_option("-q,--queue", options.queues, "queues by name, or all")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--plugin", options.plugins, "shared objects with further queues");
   app.add_option("--scenario", options.scenarios, "scenarios by name, or all")
+      ->delimiter(',')
       ->capture_default_str();
   app.add_option("--suite", options.suites, "scenarios, progress, faults, memory, or all")
+      ->delimiter(',')
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "for each queue")
       ->capture_default_str()
