@@ -107,8 +107,8 @@ Chosen scenario_at(const std::string& name) {
             .fixed = Cast{producers + consumers, producers, consumers}};
   }
   std::vector<std::string_view> names;
-  std::vector<std::string_view> names;
   names.reserve(std::size(table) + 1);
+  for (const Scenario& scenario : table) names.push_back(scenario.name);
   names.emplace_back("NxM");
   throw UsageError(unknown_name("scenario", name, names));
 }
