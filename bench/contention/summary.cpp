@@ -8,7 +8,7 @@
 #include <map>
 #include <optional>
 
-#include "bench/contention/claims_text.hpp"
+#include "bench/conditions/claims.hpp"
 #include "bench/contention/histogram.hpp"
 #include "bench/contention/statistics.hpp"
 #include "bench/contention/subject.hpp"

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "bench/report/claims.hpp"
+#include "bench/conditions/claims.hpp"
 #include "bench/report/formats.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
@@ -224,7 +224,7 @@ class Collector {
       if (queue == nullptr || (run.fields.contains("claims") && run.fields["claims"].is_object())) {
         continue;
       }
-      run.fields["claims"] = claims_for_report(queue->claims);
+      run.fields["claims"] = claims_in_words(queue->claims);
     }
   }
 

@@ -1,4 +1,4 @@
-#include "bench/contention/claims_text.hpp"
+#include "bench/conditions/claims.hpp"
 
 #include <array>
 #include <string>
