@@ -1,5 +1,5 @@
 /// Four queues of libcds: MSQueue, BasketQueue, FCQueue and SegmentedQueue, with the library's
-/// defaults.
+/// defaults, but for the allocator of SegmentedQueue's segments.
 ///
 /// When to use: MSQueue and BasketQueue beside LFREE, which is the first algorithm with another
 /// maker's hazard pointers; FCQueue to see flat combining; SegmentedQueue to see what relaxed order
@@ -90,6 +90,23 @@ class Adapter {
   Queue queue_;
 };
 
+/// The library gives a block back as an object of another size than it asked for, so deletion must
+/// not be told a size.
+template <class T>
+struct UnsizedAllocator {
+  using value_type = T;
+  UnsizedAllocator() = default;
+  template <class U>
+  UnsizedAllocator(const UnsizedAllocator<U>&) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T))); }
+  void deallocate(T* block, std::size_t /*count*/) { ::operator delete(block); }
+  friend bool operator==(const UnsizedAllocator&, const UnsizedAllocator&) { return true; }
+};
+
+struct SegmentTraits : cds::container::segmented_queue::traits {
+  using allocator = UnsizedAllocator<int>;
+};
+
 inline constexpr Claims lock_free_fifo{.ordering = Ordering::fifo_happens_before,
                                        .push = Progress::lock_free,
                                        .pop = Progress::lock_free,
@@ -167,7 +184,8 @@ class LibcdsFcQueue {
 
 template <class T>
 class LibcdsSegmentedQueue
-    : public libcds::Adapter<T, cds::container::SegmentedQueue<cds::gc::HP, T>> {
+    : public libcds::Adapter<
+          T, cds::container::SegmentedQueue<cds::gc::HP, T, libcds::SegmentTraits>> {
   static constexpr std::size_t places_of_a_segment = 16;
 
  public:
@@ -176,7 +194,7 @@ class LibcdsSegmentedQueue
                                  .relaxation = places_of_a_segment - 1,
                                  .reclamation = Reclamation::hazard_pointers};
   LibcdsSegmentedQueue(unsigned /*workers*/, std::size_t /*capacity*/)
-      : libcds::Adapter<T, cds::container::SegmentedQueue<cds::gc::HP, T>>(places_of_a_segment) {}
+      : LibcdsSegmentedQueue::Adapter(places_of_a_segment) {}
 };
 
 }  // namespace irt
