@@ -24,9 +24,9 @@ static void* allocate_lines(size_t bytes) {
   return aligned_alloc(line, (bytes + line - 1) / line * line);
 }
 
-struct irt_ck_fifo* irt_ck_fifo_new(struct irt_ck_entry* stub) {
+struct irt_ck_fifo* irt_ck_fifo_new(struct irt_ck_entry* sentinel) {
   struct irt_ck_fifo* fifo = allocate_lines(sizeof *fifo);
-  if (fifo != NULL) ck_fifo_mpmc_init(&fifo->fifo, (struct ck_fifo_mpmc_entry*)stub);
+  if (fifo != NULL) ck_fifo_mpmc_init(&fifo->fifo, (struct ck_fifo_mpmc_entry*)sentinel);
   return fifo;
 }
 

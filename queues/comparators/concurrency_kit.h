@@ -17,8 +17,8 @@ struct irt_ck_entry {
   __attribute__((aligned(16))) unsigned char bytes[32];
 };
 
-/* A fifo that starts with the sentinel `stub`; NULL if there is no memory. */
-struct irt_ck_fifo* irt_ck_fifo_new(struct irt_ck_entry* stub);
+/* A fifo that starts with `sentinel`; NULL if there is no memory. */
+struct irt_ck_fifo* irt_ck_fifo_new(struct irt_ck_entry* sentinel);
 void irt_ck_fifo_delete(struct irt_ck_fifo* fifo);
 void irt_ck_fifo_push(struct irt_ck_fifo* fifo, struct irt_ck_entry* entry, uint64_t word);
 /* Takes the oldest word; `left` is then the entry that is no longer part of the fifo. */

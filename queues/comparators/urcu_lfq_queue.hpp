@@ -6,9 +6,9 @@
 ///
 /// Ordering: FIFO by happens-before. Progress: lock-free, apart from the allocator. Memory: one
 /// node per task, freed by the library's thread after a grace period. Unbounded. Where there is
-/// none for a dummy node the library ends the process.
+/// none for a sentinel the library ends the process.
 ///
-/// How it works: while the queue is empty it holds a dummy node, which pop adds before it takes the
+/// How it works: while the queue is empty it holds a sentinel, which pop adds before it takes the
 /// last task. A thread says when it reads (a store to a word of its own); `call_rcu` hands a node
 /// to a thread that waits until all who read when it was handed over have finished.
 #pragma once

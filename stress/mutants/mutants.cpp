@@ -126,7 +126,7 @@ const auto& all() {
           by_none,
           "store-load reordering in a window of nanoseconds, and only while the consumer parks"),
       parking<ParkingBug::silent_close>("m25", "closing wakes nobody", closing),
-      mutant<Mpsc<false>::Queue, Mpsc<true>::Queue>("m26", "nil instead of a stub node",
+      mutant<Mpsc<false>::Queue, Mpsc<true>::Queue>("m26", "nil instead of a sentinel",
                                                     usual("mpsc"), by_oracles),
       vyukov<VyukovBug::narrow>("m27", "sequence difference in eight bits",
                                 with_capacity("mpsc", 256), by_oracles),

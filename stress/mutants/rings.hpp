@@ -161,10 +161,10 @@ struct Vyukov {
   };
 };
 
-/// Vyukov's list for many producers and one consumer. `stub` is the healthy twin, whose list never
-/// runs out of nodes. M26: nil instead of the stub node; a consumer that takes the last node while
-/// a producer links the next one loses it.
-template <bool stub>
+/// Vyukov's list for many producers and one consumer. The healthy twin has a sentinel, so that its
+/// list never runs out of nodes. M26: nil instead; a consumer that takes the last node while a
+/// producer links the next one loses it.
+template <bool has_sentinel>
 struct Mpsc {
   template <class T>
   class Queue {
@@ -175,7 +175,7 @@ struct Mpsc {
                                    .consumers = Callers::one};
 
     Queue(unsigned /*workers*/, std::size_t /*capacity*/) {
-      if (stub) front_ = back_ = new Node;
+      if (has_sentinel) front_ = back_ = new Node;
     }
     Queue(const Queue&) = delete;
     Queue& operator=(const Queue&) = delete;
@@ -191,7 +191,7 @@ struct Mpsc {
       Node* node = new Node;
       node->value = task;
       Node* before = back_.exchange(node);
-      if (stub || before != nullptr) {
+      if (has_sentinel || before != nullptr) {
         before->next = node;
       } else {
         front_ = node;
@@ -201,7 +201,7 @@ struct Mpsc {
 
     bool pop(unsigned /*worker*/, T& task) {
       Node* first = front_;
-      if (stub) {
+      if (has_sentinel) {
         Node* next = first->next;
         if (next == nullptr) return false;
         task = next->value;
