@@ -5,7 +5,7 @@
 
 #include "bench/contention/compare.hpp"
 #include "bench/contention/statistics.hpp"
-#include "tests/bench/contention/running_tool.hpp"
+#include "tests/bench/running_tool.hpp"
 
 namespace irt::contention {
 namespace {
@@ -18,10 +18,11 @@ json sweep(unsigned repetitions, const std::string& seconds, unsigned steps_a, u
   setenv("IRT_TWIN_B_STEPS", std::to_string(steps_b).c_str(), 1);
   const TemporaryDirectory directory;
   const std::string plugins = IRT_TEST_PLUGINS;
-  const RunningTool tool({"contention", "--plugin", plugins + "/twin-a.so", "--plugin",
-                          plugins + "/twin-b.so", "--queue", "twin-a,twin-b", "--threads", "1",
-                          "--seconds", seconds, "--warmup", "0.1", "--repetitions",
-                          std::to_string(repetitions), "--out", directory / "out"});
+  const RunningTool tool(
+      IRT_CONTENTION,
+      {"contention", "--plugin", plugins + "/twin-a.so", "--plugin", plugins + "/twin-b.so",
+       "--queue", "twin-a,twin-b", "--threads", "1", "--seconds", seconds, "--warmup", "0.1",
+       "--repetitions", std::to_string(repetitions), "--out", directory / "out"});
   EXPECT_EQ(tool.wait(), 0) << tool.err();
   return json_of(directory / "out/contention.json");
 }

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "tests/bench/contention/running_tool.hpp"
+#include "tests/bench/running_tool.hpp"
 
 namespace irt {
 namespace {
@@ -21,7 +21,7 @@ void expect_one_line(Arguments arguments, const std::string& part) {
   std::string command;
   for (const std::string& argument : arguments) command += " " + argument;
   SCOPED_TRACE(command);
-  RunningTool tool(std::move(arguments));
+  RunningTool tool(IRT_CONTENTION, std::move(arguments));
   EXPECT_EQ(tool.wait(), 2);
   const std::string said = tool.err();
   EXPECT_EQ(std::ranges::count(said, '\n'), 1) << said;
@@ -78,7 +78,8 @@ struct Sweep : testing::Test {
 };
 
 TEST_F(Sweep, WritesEveryFigureThatItPromises) {
-  RunningTool tool(with(quick, {"--queue", "lock,tbb", "--threads", "2", "--repetitions", "3",
+  RunningTool tool(IRT_CONTENTION,
+                   with(quick, {"--queue", "lock,tbb", "--threads", "2", "--repetitions", "3",
                                 "--latency", "--json", directory / "copy.json"}));
   EXPECT_EQ(tool.wait(), 0) << tool.err();
   ASSERT_EQ(runs().size(), 2U);
@@ -145,7 +146,7 @@ TEST_F(Sweep, QueuesThatMisbehaveAreMarkedAndTheSweepGoesOn) {
   for (const char* name : {"hanging", "crashing", "losing", "throwing"}) {
     arguments = with(arguments, {"--plugin", plugin(name)});
   }
-  RunningTool tool(arguments);
+  RunningTool tool(IRT_CONTENTION, arguments);
   EXPECT_EQ(tool.wait(), 1) << tool.err();
   std::map<std::string, std::string> statuses;
   for (const json& run : runs()) {
@@ -168,7 +169,7 @@ TEST_F(Sweep, QueuesThatMisbehaveAreMarkedAndTheSweepGoesOn) {
 TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
   const Arguments plan =
       with(quick, {"--queue", "lock,mutex", "--threads", "1,2", "--repetitions", "4"});
-  RunningTool tool(plan);
+  RunningTool tool(IRT_CONTENTION, plan);
   for (int i = 0; i < 3000 && (!std::filesystem::exists(out / "contention.jsonl") || lines() < 4);
        ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -181,11 +182,11 @@ TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
   EXPECT_LT(before, 1U + 2 * 2 * 4);
   EXPECT_FALSE(runs().empty());
 
-  RunningTool other({"contention", "--resume", "--out", out, "--threads", "1,4"});
+  RunningTool other(IRT_CONTENTION, {"contention", "--resume", "--out", out, "--threads", "1,4"});
   EXPECT_EQ(other.wait(), 2);
   EXPECT_NE(other.err().find("threads: [1,2] before"), std::string::npos) << other.err();
 
-  RunningTool rest({"contention", "--resume", "--out", out});
+  RunningTool rest(IRT_CONTENTION, {"contention", "--resume", "--out", out});
   EXPECT_EQ(rest.wait(), 0) << rest.err();
   EXPECT_EQ(lines(), 1U + 2 * 2 * 4);
   ASSERT_EQ(runs().size(), 4U);
@@ -194,7 +195,8 @@ TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
 
 TEST_F(Sweep, OversubscriptionIsACaseOfItsOwn) {
   const unsigned more = std::thread::hardware_concurrency() + 1;
-  RunningTool tool(with(quick, {"--queue", "mutex", "--threads", std::to_string(more),
+  RunningTool tool(IRT_CONTENTION,
+                   with(quick, {"--queue", "mutex", "--threads", std::to_string(more),
                                 "--repetitions", "1", "--placement", "none"}));
   EXPECT_EQ(tool.wait(), 0) << tool.err();
   EXPECT_TRUE(runs()[0]["oversubscribed"]);
@@ -204,16 +206,17 @@ TEST_F(Sweep, OversubscriptionIsACaseOfItsOwn) {
 }
 
 TEST_F(Sweep, ComparesWithItselfAndWithAnother) {
-  RunningTool tool(with(quick, {"--queue", "lock,mutex", "--threads", "1", "--repetitions", "4"}));
+  RunningTool tool(IRT_CONTENTION,
+                   with(quick, {"--queue", "lock,mutex", "--threads", "1", "--repetitions", "4"}));
   EXPECT_EQ(tool.wait(), 0) << tool.err();
   const std::string file = out / "contention.json";
-  RunningTool same({"compare", file, file, "--json", directory / "compared.json"});
+  RunningTool same(IRT_CONTENTION, {"compare", file, file, "--json", directory / "compared.json"});
   EXPECT_EQ(same.wait(), 0) << same.err();
   for (const json& line : json_of(directory / "compared.json")) {
     EXPECT_EQ(line["verdict"], "no difference");
     EXPECT_EQ(line["ratio"], 1.0);
   }
-  RunningTool two({"compare", file, "--queues", "lock,mutex"});
+  RunningTool two(IRT_CONTENTION, {"compare", file, "--queues", "lock,mutex"});
   EXPECT_EQ(two.wait(), 0) << two.err();
   EXPECT_NE(two.out().find("lock > mutex"), std::string::npos) << two.out();
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/frames/usage_error.hpp"
-#include "tests/bench/frames/temporary.hpp"
+#include "tests/bench/temporary.hpp"
 
 namespace irt {
 namespace {

@@ -11,53 +11,15 @@
 #include <thread>
 #include <unistd.h>
 
-#include "tests/bench/frames/temporary.hpp"
+#include "tests/bench/running_tool.hpp"
 
 namespace irt {
 namespace {
 
-using Arguments = std::vector<std::string>;
-
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-nlohmann::json json_of(const std::filesystem::path& file) {
-  return nlohmann::json::parse(contents(file));
-}
-
 /// A running `irt-frames`.
-class Tool {
+class Tool : public RunningTool {
  public:
-  explicit Tool(Arguments arguments) {
-    arguments.insert(arguments.begin(), IRT_FRAMES);
-    child_ = fork();
-    if (child_ != 0) return;
-    std::vector<char*> words;
-    for (std::string& argument : arguments) words.push_back(argument.data());
-    words.push_back(nullptr);
-    if (std::freopen((directory_ / "out").c_str(), "w", stdout) == nullptr ||
-        std::freopen((directory_ / "err").c_str(), "w", stderr) == nullptr) {
-      _exit(99);
-    }
-    execv(IRT_FRAMES, words.data());
-    _exit(99);
-  }
-  void signal(int number) const { kill(child_, number); }
-
-  /// Its exit code; 1000 more than the signal that ended it.
-  int wait() {
-    int status = 0;
-    waitpid(child_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-  }
-  std::string out() const { return contents(directory_ / "out"); }
-  std::string err() const { return contents(directory_ / "err"); }
-
- private:
-  TemporaryDirectory directory_;
-  pid_t child_ = 0;
+  explicit Tool(Arguments arguments) : RunningTool(IRT_FRAMES, std::move(arguments)) {}
 };
 
 void expect_one_line(Arguments arguments, const std::string& part) {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/frames/trace_file.hpp"
-#include "tests/bench/frames/temporary.hpp"
+#include "tests/bench/temporary.hpp"
 
 namespace irt {
 namespace {

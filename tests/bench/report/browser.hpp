@@ -7,7 +7,7 @@
 #include <sys/types.h>
 #include <vector>
 
-#include "tests/bench/frames/temporary.hpp"
+#include "tests/bench/temporary.hpp"
 
 namespace irt {
 

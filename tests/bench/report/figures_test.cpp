@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/report/plots.hpp"
-#include "tests/bench/frames/temporary.hpp"
 #include "tests/bench/report/synthetic.hpp"
+#include "tests/bench/temporary.hpp"
 
 namespace irt {
 namespace {

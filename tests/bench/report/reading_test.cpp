@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/report/results.hpp"
-#include "tests/bench/frames/temporary.hpp"
 #include "tests/bench/report/synthetic.hpp"
+#include "tests/bench/temporary.hpp"
 
 namespace irt {
 namespace {

@@ -1,4 +1,4 @@
-/// The program of `irt bench contention`, running.
+/// A program of ours, running.
 #pragma once
 
 #include <csignal>
@@ -12,7 +12,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "tests/bench/frames/temporary.hpp"
+#include "tests/bench/temporary.hpp"
 
 namespace irt {
 
@@ -29,8 +29,8 @@ inline nlohmann::json json_of(const std::filesystem::path& file) {
 
 class RunningTool {
  public:
-  explicit RunningTool(Arguments arguments) {
-    arguments.insert(arguments.begin(), IRT_CONTENTION);
+  RunningTool(const char* program, Arguments arguments) {
+    arguments.insert(arguments.begin(), program);
     child_ = fork();
     if (child_ != 0) return;
     std::vector<char*> words;
@@ -40,7 +40,7 @@ class RunningTool {
         std::freopen((directory_ / "err").c_str(), "w", stderr) == nullptr) {
       _exit(99);
     }
-    execv(IRT_CONTENTION, words.data());
+    execv(program, words.data());
     _exit(99);
   }
   void signal(int number) const { kill(child_, number); }

@@ -12,7 +12,7 @@ class TemporaryDirectory {
   TemporaryDirectory() {
     static int count = 0;
     path_ = std::filesystem::temp_directory_path() /
-            ("irt-frames-" + std::to_string(getpid()) + "-" + std::to_string(++count));
+            ("irt-test-" + std::to_string(getpid()) + "-" + std::to_string(++count));
     std::filesystem::create_directories(path_);
   }
   ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
