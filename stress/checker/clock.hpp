@@ -15,8 +15,11 @@ struct alignas(32) Clock {
   std::array<std::uint16_t, max_threads> count{};
 
   void join(const Clock& other) {
-    for (std::size_t i = 0; i < max_threads; ++i)
-      count[i] = count[i] < other.count[i] ? other.count[i] : count[i];
+    // All at once: it is what the checker does most, and loops so short stay loops at -O2.
+    using All = std::uint16_t __attribute__((vector_size(sizeof count), may_alias));
+    auto& mine = reinterpret_cast<All&>(count);
+    const auto& theirs = reinterpret_cast<const All&>(other.count);
+    mine = mine < theirs ? theirs : mine;
   }
 };
 

@@ -95,7 +95,7 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] bool freezes() const { return frozen_.has_value(); }
   /// Whether the thread to be stopped came that far in the last run.
   [[nodiscard]] bool froze() const { return froze_; }
-  void report(FindingKind kind, std::string text, std::vector<const void*> places);
+  [[noreturn]] void report(FindingKind kind, std::string text, std::vector<const void*> places);
 
   /// An order in the code: where, of what, and which.
   struct OrderSite {
@@ -198,6 +198,8 @@ class Execution final : public virtual_cores::Tenant {
   void note_write(const Event& event, Value value);
   void check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                    const void* pc);
+  void check_race(const Cell& cell, const Touch& touch);
+  [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, const void* pc);
   void check_loop(const void* pc);
   EventId source_of(EventId store) const;
   bool is_newest(EventId store) const;

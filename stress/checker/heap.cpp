@@ -66,8 +66,7 @@ void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, c
       region.freed.erase(std::next(same).base());
       again.freed = false;
       again.allocated_at = pc;
-      for (std::uintptr_t at = again.address; at < again.address + size; at += 8)
-        cells_[(at - base_) / 8].generation = 0;
+      begin_cells(again);
       return reinterpret_cast<void*>(again.address);
     }
   }
@@ -78,13 +77,26 @@ void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, c
   region.next = address + size + gap_bytes;
   blocks_.push_back({address, size, pc, nullptr, static_cast<std::uint8_t>(thread), 0, false});
   region.blocks.push_back(static_cast<std::uint32_t>(blocks_.size()));
+  begin_cells(blocks_.back());
   return reinterpret_cast<void*>(address);
+}
+
+void Heap::begin_cells(const Block& block) {
+  for (std::uintptr_t at = block.address; at < block.address + block.size; at += 8) {
+    Cell& cell = cells_[(at - base_) / 8];
+    cell = Cell{};
+    cell.generation = generation_;
+    const std::uintptr_t left = block.address + block.size - at;
+    cell.usable = static_cast<std::uint8_t>(left < 8 ? (1U << left) - 1 : 0xFFU);
+  }
 }
 
 void Heap::free(Block& block, unsigned thread, const void* pc) {
   block.freed = true;
   block.freed_by = static_cast<std::uint8_t>(thread);
   block.freed_at = pc;
+  for (std::uintptr_t at = block.address; at < block.address + block.size; at += 8)
+    cells_[(at - base_) / 8].usable = 0;
   // Only the allocating thread's own blocks come back to it: others' would need an order.
   if (block.allocated_by == thread)
     regions_[thread].freed.push_back(static_cast<std::uint32_t>(&block - blocks_.data()) + 1);
@@ -100,23 +112,18 @@ Block* Heap::find(std::uintptr_t address) {
 }
 
 Cell& Heap::fresh_cell(std::uintptr_t address) {
-  const bool mine = owns(address);
+  const bool mine = owns(address);  // then outside of every block
   Cell& cell = mine ? cells_[(address - base_) / 8] : other_cells_[address / 8];
   if (cell.generation == generation_) return cell;
   cell = Cell{};
   cell.generation = generation_;
-  if (!mine) {
-    cell.initialised = 0xFF;
-    return cell;
-  }
-  // The last block that begins before the end of these eight bytes.
-  const Block* block = find((address & ~std::uintptr_t{7}) + 7);
-  if (block != nullptr && (address & ~std::uintptr_t{7}) < block->address + block->size)
-    cell.block = static_cast<std::uint32_t>(block - blocks_.data()) + 1;
+  if (!mine) cell.initialised = cell.usable = 0xFF;
   return cell;
 }
 
 void Heap::add_touch(Cell& cell, const Touch& touch) {
+  const auto toucher = static_cast<std::uint8_t>(touch.thread + 1);
+  if (cell.toucher != toucher) cell.toucher = cell.toucher == 0 ? toucher : several_touchers;
   for (std::uint32_t* link = &cell.touches; *link != 0;) {
     Touch& old = touches_[*link - 1];
     if (old.thread == touch.thread && old.writes == touch.writes && old.atomic == touch.atomic &&

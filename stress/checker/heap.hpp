@@ -37,14 +37,18 @@ struct Touch {
   const void* pc;
 };
 
+/// `Cell::toucher` when there are more.
+inline constexpr std::uint8_t several_touchers = 0xFF;
+
 /// What is known about eight bytes.
 struct Cell {
   std::uint32_t generation = 0;
-  std::uint32_t block = 0;     ///< plus one; 0 is none
   std::uint32_t touches = 0;   ///< plus one; 0 is none
   std::uint32_t location = 0;  ///< plus one; 0 is none
   std::uint8_t initialised = 0;
   std::uint8_t replaced = 0;  ///< bytes that a plain write changed after the location's stores
+  std::uint8_t usable = 0;    ///< bytes inside a block that is not freed, or outside of the heap
+  std::uint8_t toucher = 0;   ///< the only thread that touched it, plus one; 0: none
 };
 
 class Heap {
@@ -68,11 +72,14 @@ class Heap {
   Block* find(std::uintptr_t address);
   /// What is known about the eight bytes at `address` / 8 * 8.
   Cell& cell(std::uintptr_t address) {
-    if (owns(address)) {
-      Cell& known = cells_[(address - base_) / 8];
-      if (known.generation == generation_) return known;
-    }
-    return fresh_cell(address);
+    Cell* const known = known_cell(address);
+    return known != nullptr ? *known : fresh_cell(address);
+  }
+  /// The same for memory of the heap, or null if nothing is known.
+  Cell* known_cell(std::uintptr_t address) {
+    if (!owns(address)) return nullptr;
+    Cell& known = cells_[(address - base_) / 8];
+    return known.generation == generation_ ? &known : nullptr;
   }
 
   [[nodiscard]] const Touch& touch(std::uint32_t number) const { return touches_[number - 1]; }
@@ -80,7 +87,6 @@ class Heap {
   void add_touch(Cell& cell, const Touch& touch);
 
   [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
-  Block& block(std::uint32_t number) { return blocks_[number - 1]; }
 
  private:
   struct Region {
@@ -89,7 +95,9 @@ class Heap {
     std::vector<std::uint32_t> freed;   ///< in the order in which they were freed
   };
 
+  Block& block(std::uint32_t number) { return blocks_[number - 1]; }
   Cell& fresh_cell(std::uintptr_t address);
+  void begin_cells(const Block& block);
 
   std::uintptr_t base_ = 0;
   std::size_t bytes_ = 0;

@@ -29,64 +29,73 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
   const bool shared = phase_ == Phase::parallel;
   if (!shared && !heap_.owns(address)) return;
   const unsigned thread = cores_.current();
-  const Clock& now = graph_.thread(thread).now;
-  const auto moment = static_cast<std::uint16_t>(now.count[thread] + 1);
-  const std::uintptr_t end = address + size;
-  bool initialised = false;
-  for (std::uintptr_t at = address & ~std::uintptr_t{7}; at < end; at += 8) {
-    const std::uintptr_t from = std::max(at, address);
-    const auto count = static_cast<unsigned>(std::min(end, at + 8) - from);
-    const auto bytes = static_cast<std::uint8_t>(((1U << count) - 1) << (from - at));
+  Touch touch{static_cast<std::uint8_t>(thread), 0, writes, atomic, 0, 0, pc};
+  touch.moment = static_cast<std::uint16_t>(graph_.thread(thread).now.count[thread] + 1);
+  const auto touch_cell = [&](std::uintptr_t at, unsigned bytes) {
     Cell& cell = heap_.cell(at);
-    if (heap_.owns(at)) {
-      if (cell.block == 0)
-        report(FindingKind::out_of_bounds,
-               std::string("the ") + verb(writes) + " at {0} is outside of every block of the heap",
-               {pc});
-      const Block& block = heap_.block(cell.block);
-      if (block.freed)
-        report(FindingKind::use_after_free,
-               std::string("the ") + verb(writes) + " at {0} by thread " + std::to_string(thread) +
-                   " is to memory that thread " + std::to_string(block.freed_by) +
-                   " freed at {1} (allocated at {2})",
-               {pc, block.freed_at, block.allocated_at});
-      if (from < block.address || from + count > block.address + block.size)
-        report(FindingKind::out_of_bounds,
-               std::string("the ") + verb(writes) + " at {0} is past the end of the block of " +
-                   std::to_string(block.size) + " bytes that was allocated at {1}",
-               {pc, block.allocated_at});
+    if ((bytes & ~cell.usable) != 0) report_unusable(at, writes, pc);
+    if (shared) {
+      touch.bytes = static_cast<std::uint8_t>(bytes);
+      if (cell.toucher != thread + 1 && cell.toucher != 0 && limits_.races) check_race(cell, touch);
+      heap_.add_touch(cell, touch);
     }
-    for (std::uint32_t number = shared && limits_.races ? cell.touches : 0; number != 0;) {
-      const Touch& other = heap_.touch(number);
-      number = other.next;
-      if (other.thread == thread || (other.bytes & bytes) == 0 || !(other.writes || writes) ||
-          (other.atomic && atomic) || now.count[other.thread] >= other.moment)
-        continue;
-      report(FindingKind::data_race,
-             std::string("the ") + (atomic ? "atomic " : "") + verb(writes) + " at {0} by thread " +
-                 std::to_string(thread) + " and the " + (other.atomic ? "atomic " : "") +
-                 verb(other.writes) + " at {1} by thread " + std::to_string(other.thread) +
-                 " are to the same memory, and neither happens before the other",
-             {pc, other.pc});
-    }
-    initialised = initialised || (cell.initialised & bytes) != 0;
+    const bool initialised = (cell.initialised & bytes) != 0;
     if (writes) {
       cell.initialised = static_cast<std::uint8_t>(cell.initialised | bytes);
       if (!atomic && cell.location != 0)
         cell.replaced = static_cast<std::uint8_t>(cell.replaced | bytes);
     }
-    if (shared)
-      heap_.add_touch(cell,
-                      {static_cast<std::uint8_t>(thread), bytes, writes, atomic, moment, 0, pc});
+    return initialised;
+  };
+  const auto bits = [](std::size_t count) { return (1U << count) - 1; };
+  const std::uintptr_t first = address & ~std::uintptr_t{7};
+  const std::uintptr_t end = address + size;
+  if (end > first + 8) {
+    touch_cell(first, bits(first + 8 - address) << (address - first));
+    for (std::uintptr_t at = first + 8; at < end; at += 8)
+      touch_cell(at, bits(std::min<std::uintptr_t>(end - at, 8)));
+  } else if (!touch_cell(first, bits(size) << (address - first)) && !writes) {
+    report(FindingKind::uninitialised_read,
+           "the read at {0} is of memory that nothing was written to since it was allocated at "
+           "{1}",
+           {pc, heap_.find(address)->allocated_at});
   }
-  if (!initialised && size <= 8 && (!writes || atomic) && heap_.owns(address)) {
-    const Block& block = *heap_.find(address);
-    if (!writes)
-      report(FindingKind::uninitialised_read,
-             "the read at {0} is of memory that nothing was written to since it was allocated at "
-             "{1}",
-             {pc, block.allocated_at});
+}
+
+void Execution::check_race(const Cell& cell, const Touch& touch) {
+  const Clock& now = graph_.thread(touch.thread).now;
+  for (std::uint32_t number = cell.touches; number != 0;) {
+    const Touch& other = heap_.touch(number);
+    number = other.next;
+    if (other.thread == touch.thread || (other.bytes & touch.bytes) == 0 ||
+        !(other.writes || touch.writes) || (other.atomic && touch.atomic) ||
+        now.count[other.thread] >= other.moment)
+      continue;
+    report(FindingKind::data_race,
+           std::string("the ") + (touch.atomic ? "atomic " : "") + verb(touch.writes) +
+               " at {0} by thread " + std::to_string(touch.thread) + " and the " +
+               (other.atomic ? "atomic " : "") + verb(other.writes) + " at {1} by thread " +
+               std::to_string(other.thread) +
+               " are to the same memory, and neither happens before the other",
+           {touch.pc, other.pc});
   }
+}
+
+void Execution::report_unusable(std::uintptr_t eight_bytes, bool writes, const void* pc) {
+  const std::string what = std::string("the ") + verb(writes) + " at {0} ";
+  // The last block that begins before the end of these eight bytes.
+  const Block* block = heap_.find(eight_bytes + 7);
+  if (block == nullptr || eight_bytes >= block->address + block->size)
+    report(FindingKind::out_of_bounds, what + "is outside of every block of the heap", {pc});
+  if (block->freed)
+    report(FindingKind::use_after_free,
+           what + "by thread " + std::to_string(cores_.current()) + " is to memory that thread " +
+               std::to_string(block->freed_by) + " freed at {1} (allocated at {2})",
+           {pc, block->freed_at, block->allocated_at});
+  report(FindingKind::out_of_bounds,
+         what + "is past the end of the block of " + std::to_string(block->size) +
+             " bytes that was allocated at {1}",
+         {pc, block->allocated_at});
 }
 
 void Execution::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
@@ -132,7 +141,9 @@ void Execution::release(void* pointer, const void* pc) {
            {pc, block->freed_at, block->allocated_at});
   const Clock& now = graph_.thread(thread).now;
   for (std::uintptr_t at = address & ~std::uintptr_t{7}; at < address + block->size; at += 8) {
-    for (std::uint32_t number = heap_.cell(at).touches; number != 0;) {
+    const Cell* cell = heap_.known_cell(at);
+    if (cell == nullptr || cell->toucher == thread + 1) continue;
+    for (std::uint32_t number = cell->touches; number != 0;) {
       const Touch& touch = heap_.touch(number);
       number = touch.next;
       if (touch.thread == thread || now.count[touch.thread] >= touch.moment) continue;
