@@ -19,6 +19,8 @@ std::uintptr_t sleepers_of(std::uintptr_t address) {
 
 // What S and W of a shape write and read.
 constexpr std::uintptr_t signal_address = (std::uintptr_t{1} << 63U) | 64U;
+// The clock of tick().
+constexpr std::uintptr_t clock_address = (std::uintptr_t{1} << 63U) | 128U;
 
 Value mask_of(std::uint32_t size) {
   return size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
@@ -134,6 +136,7 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
     };
     const std::size_t newest = graph_.location(id).stores.size() - 1;
     Event& event = graph_.begin(EventKind::load, thread, request.success, request.pc);
+    event.silent = request.silent;
     const auto prepare = [&](Meaning meaning) {
       event.kind = meaning == Meaning::modify ? EventKind::modify : EventKind::load;
       event.order = meaning == Meaning::modify ? request.success
@@ -337,6 +340,14 @@ unsigned Execution::other_choice(unsigned count, const void* pc) {
   return option;
 }
 
+// Whether the unusual happens, where it may.
+bool Execution::chosen(const void* pc) {
+  if (phase_ != Phase::parallel) return false;
+  reach(0, false);
+  check_limit(pc);
+  return other_choice(2, pc) != 0;
+}
+
 // --- Waiting --------------------------------------------------------------------------------
 
 void Execution::lock(std::uintptr_t address, const void* pc) {
@@ -434,6 +445,16 @@ void Execution::await_signal() {
       {signal_address, 4, nullptr, Order::acquire, Order::acquire}, false,
       [](Value value) { return value == 0 ? Meaning::wait : Meaning::load; },
       [](Value value) { return value; });
+}
+
+// seq_cst, so that what the model takes for time agrees with the order of all that is seq_cst.
+std::uint64_t Execution::tick() {
+  if (phase_ != Phase::parallel) return 0;
+  reach(clock_address, true);
+  const Value before = read_event(
+      {clock_address, 8, nullptr, Order::seq_cst, Order::seq_cst, true}, true,
+      [](Value) { return Meaning::modify; }, [](Value value) { return value + 1; });
+  return static_cast<std::uint64_t>(before) + 1;
 }
 
 std::int64_t Execution::now() {

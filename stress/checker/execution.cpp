@@ -29,6 +29,7 @@ Outcome Execution::run(Strategy& strategy) {
   finding_.reset();
   froze_ = false;
   stores_ = touches_ = 0;
+  failed_allocations_ = 0;
   outcome_ = Outcome::complete;
   for (ThreadState& state : states_) {
     std::vector<Visit> visits = std::move(state.visits);

@@ -36,10 +36,11 @@ struct Limits {
   unsigned same_reads = 20;
   /// A thread is taken to wait if it makes so many events without reading anything new.
   std::size_t events_without_news = 150;
-  bool reuse_memory = false;      ///< a thread's freed blocks come back to it
-  bool weak_may_fail = false;     ///< compare_exchange_weak fails for no reason, as a choice
-  bool spurious_wakeups = false;  ///< futex and condition waits end for no reason, as a choice
-  bool leaks = true;              ///< blocks that are never freed are findings
+  bool reuse_memory = false;         ///< a thread may get back what it freed, as a choice
+  unsigned failing_allocations = 0;  ///< so many in an execution may fail, each as a choice
+  bool weak_may_fail = false;        ///< compare_exchange_weak fails for no reason, as a choice
+  bool spurious_wakeups = false;     ///< futex and condition waits end for no reason, as a choice
+  bool leaks = true;                 ///< blocks that are never freed are findings
   bool races = true;  ///< data races are findings; if not, plain reads see what memory holds
 };
 
@@ -88,6 +89,13 @@ class Execution final : public virtual_cores::Tenant {
   /// For scenarios: lets those that await it go on; what came before happens before what they do.
   void signal();
   void await_signal();
+  /// For scenarios: the time on a clock that all threads read in one order, and that makes nothing
+  /// they did before visible to the others. From 1 on; 0 before and after the threads.
+  std::uint64_t tick();
+  /// Allocations of `thread` that have failed by choice.
+  [[nodiscard]] unsigned failed_allocations(unsigned thread) const {
+    return states_[thread].failed_allocations;
+  }
   /// The thread in progress. Valid while the scenario's functions run.
   [[nodiscard]] unsigned current() const { return cores_.current(); }
   /// Stops `thread` for good before event number `events` (from 0) of its own, in runs to come.
@@ -163,6 +171,7 @@ class Execution final : public virtual_cores::Tenant {
     EventId newest_read = 0;     ///< of other threads' stores
     std::size_t news_since = 0;  ///< events of its own when it read that
     std::int64_t clock_reads = 0;
+    unsigned failed_allocations = 0;
     std::vector<Visit> visits;
     std::uint64_t entry_hash = 0;   ///< of the core when the operation in progress began
     std::uint32_t fresh_reads = 0;  ///< that many loads must read the newest store
@@ -185,6 +194,7 @@ class Execution final : public virtual_cores::Tenant {
     const void* pc;
     Order success;
     Order failure;
+    bool silent = false;  ///< see Event
   };
   template <class Decide, class NewValue>
   Value read_event(const Request& request, bool may_write, Decide decide, NewValue new_value);
@@ -215,6 +225,7 @@ class Execution final : public virtual_cores::Tenant {
   Outcome after_threads();
   void explain_standstill();
   unsigned other_choice(unsigned count, const void* pc);
+  bool chosen(const void* pc);
   void record(const Event& event, std::size_t choice);
   bool watches_orders_ = false;
   Order order_at(const void* pc, bool failure, EventKind kind, Order order);
@@ -240,6 +251,7 @@ class Execution final : public virtual_cores::Tenant {
   std::uint64_t stores_ = 0;
   std::uint64_t touches_ = 0;  ///< accesses of any kind in this execution
   std::size_t assumed_waits_ = 0;
+  unsigned failed_allocations_ = 0;
   std::vector<ReadOption> options_;
   std::vector<std::size_t> places_;
   std::optional<std::pair<unsigned, std::size_t>> frozen_;

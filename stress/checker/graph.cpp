@@ -51,7 +51,7 @@ Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc
   event.kind = kind;
   event.thread = static_cast<std::uint8_t>(thread);
   event.order = order;
-  event.blocked = event.reads = event.writes = false;
+  event.blocked = event.reads = event.writes = event.silent = false;
   event.index = static_cast<std::uint16_t>(mine.now.count[thread] + 1);
   event.node = no_node;
   event.from = no_event;
@@ -108,6 +108,7 @@ void Graph::read_from(Event& event, const Event& store) {
   event.from = id_of(store);
   event.read = store.written;
   event.causes.join(store.causes);
+  if (event.silent) return;
   if (acquires(event.order))
     event.after.join(store.message);
   else
@@ -116,6 +117,7 @@ void Graph::read_from(Event& event, const Event& store) {
 
 void Graph::write(Event& event) {
   event.writes = true;
+  if (event.silent) return;
   event.message.join(releases(event.order) ? event.after : threads_[event.thread].released);
 }
 

@@ -53,23 +53,29 @@ void Heap::clear() {
   }
 }
 
-void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc,
-                     bool reuse) {
+std::size_t Heap::last_freed(unsigned thread, std::size_t size, std::size_t alignment) const {
+  const std::vector<std::uint32_t>& freed = regions_[thread].freed;
+  const auto same = std::find_if(freed.rbegin(), freed.rend(), [&](std::uint32_t number) {
+    const Block& block = blocks_[number - 1];
+    return block.size == size && block.address % alignment == 0;
+  });
+  return same == freed.rend() ? freed.size() : static_cast<std::size_t>(freed.rend() - same) - 1;
+}
+
+void* Heap::reuse(unsigned thread, std::size_t size, std::size_t alignment, const void* pc) {
+  std::vector<std::uint32_t>& freed = regions_[thread].freed;
+  const auto last =
+      freed.begin() + static_cast<std::ptrdiff_t>(last_freed(thread, size, alignment));
+  Block& again = block(*last);
+  freed.erase(last);
+  again.freed = false;
+  again.allocated_at = pc;
+  begin_cells(again);
+  return reinterpret_cast<void*>(again.address);
+}
+
+void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc) {
   Region& region = regions_[thread];
-  if (reuse) {
-    const auto same =
-        std::find_if(region.freed.rbegin(), region.freed.rend(), [&](std::uint32_t number) {
-          return block(number).size == size && block(number).address % alignment == 0;
-        });
-    if (same != region.freed.rend()) {
-      Block& again = block(*same);
-      region.freed.erase(std::next(same).base());
-      again.freed = false;
-      again.allocated_at = pc;
-      begin_cells(again);
-      return reinterpret_cast<void*>(again.address);
-    }
-  }
   alignment = std::max<std::size_t>(alignment, 16);
   const std::uintptr_t address = (region.next + alignment - 1) / alignment * alignment;
   const std::size_t end = (address - base_) - thread * region_bytes + size + gap_bytes;

@@ -2,8 +2,8 @@
 ///
 /// Each thread allocates from a region of its own, at addresses that depend only on what that
 /// thread did before: the same program text gets the same addresses whatever the others do. A freed
-/// block is not used again within an execution unless `reuse` is on; then a thread gets back the
-/// block of that size that it freed last.
+/// block is used again within an execution only on demand: `reuse` gives a thread the block of that
+/// size that it freed last.
 #pragma once
 
 #include <cstdint>
@@ -62,8 +62,13 @@ class Heap {
   void clear();
 
   /// Null when the thread's region is full.
-  void* allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc,
-                 bool reuse);
+  void* allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc);
+  /// Whether the thread has freed a block of that size.
+  [[nodiscard]] bool can_reuse(unsigned thread, std::size_t size, std::size_t alignment) const {
+    return last_freed(thread, size, alignment) != regions_[thread].freed.size();
+  }
+  /// The block of that size that it freed last; there must be one.
+  void* reuse(unsigned thread, std::size_t size, std::size_t alignment, const void* pc);
   void free(Block& block, unsigned thread, const void* pc);
 
   [[nodiscard]] bool owns(std::uintptr_t address) const { return address - base_ < bytes_; }
@@ -96,6 +101,9 @@ class Heap {
   };
 
   Block& block(std::uint32_t number) { return blocks_[number - 1]; }
+  /// Its place among what the thread has freed; behind the last if there is none.
+  [[nodiscard]] std::size_t last_freed(unsigned thread, std::size_t size,
+                                       std::size_t alignment) const;
   Cell& fresh_cell(std::uintptr_t address);
   void begin_cells(const Block& block);
 

@@ -30,6 +30,7 @@ struct CommandLine {
   std::vector<std::string> merge;
   bool mutate_orders = false;
   bool mutants = false;
+  bool real_time = false;
   checker::KillSettings kill;
   checker::CheckSettings settings;
 };
@@ -117,6 +118,7 @@ void prepare(CommandLine& line) {
       {"random", checker::Search::random},
       {"pct", checker::Search::pct},
       {"pos", checker::Search::pos}};
+  if (line.real_time) settings.real_time = true;
   if (line.strategy != "auto") settings.search = searches.at(line.strategy);
   if (line.threads != 0) {
     std::string shape;
@@ -166,6 +168,10 @@ int run(const CommandLine& line) {
   if (settings.options.limits.reuse_memory) command += " --reuse";
   if (settings.options.limits.spurious_wakeups) command += " --spurious";
   if (settings.options.limits.weak_may_fail) command += " --weak";
+  if (line.real_time) command += " --real-time";
+  if (settings.options.limits.failing_allocations != 0)
+    command +=
+        fmt::format(" --failing-allocations {}", settings.options.limits.failing_allocations);
 
   if (!line.replay.empty()) {
     if (settings.shapes.size() != 1) usage_error("--replay needs the --shape it was found with");
@@ -173,7 +179,8 @@ int run(const CommandLine& line) {
                                                line.replay, line.dot_file);
     if (report.empty()) {
       std::cout << "The schedule finds nothing now: the code, its compiler or an option of the run "
-                   "(capacity, --reuse, --spurious, --weak) is not what it was.\n";
+                   "(capacity, --reuse, --spurious, --weak, --failing-allocations, --real-time) "
+                   "is not what it was.\n";
       return 0;
     }
     std::cout << report;
@@ -191,10 +198,14 @@ int run(const CommandLine& line) {
   if (!settings.quiet && !result.unseen.empty())
     fmt::print("\nNot seen by the checker, for it is compiled code: {}\n",
                fmt::join(result.unseen, ", "));
+  if (!settings.quiet && !result.unseen_instructions.empty())
+    fmt::print("\nNot seen by the checker, for no compiler announces it: {}\n",
+               fmt::join(result.unseen_instructions, ", "));
   if (!line.json_file.empty()) {
     json j{{"queue", entry.name},           {"found", result.found},
            {"seed", settings.options.seed}, {"capacity", settings.capacity},
-           {"unseen", result.unseen},       {"shapes", json::array()}};
+           {"unseen", result.unseen},       {"unseen_instructions", result.unseen_instructions},
+           {"shapes", json::array()}};
     for (const checker::ShapeResult& shape : result.shapes) j["shapes"].push_back(to_json(shape));
     std::ofstream(line.json_file) << j.dump(2) << '\n';
   }
@@ -254,7 +265,12 @@ int main(int argc, char** argv) {
   app.add_flag("!--allow-races", settings.options.limits.races,
                "data races are no findings (a formal fault of some libraries)");
   app.add_flag("--reuse", settings.options.limits.reuse_memory,
-               "a thread gets its freed memory back at once (ABA)");
+               "a thread may get its freed memory back at once (ABA)");
+  app.add_option("--failing-allocations", settings.options.limits.failing_allocations,
+                 "so many allocations of an execution may fail");
+  app.add_flag("--real-time", line.real_time,
+               "order calls by a clock too (default: in a search of its own, if the queue claims "
+               "fifo_real_time)");
   app.add_flag("--spurious", settings.options.limits.spurious_wakeups,
                "waits may end for no reason");
   app.add_flag("--weak", settings.options.limits.weak_may_fail,

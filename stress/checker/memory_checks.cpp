@@ -120,7 +120,15 @@ void Execution::plain_write(std::uintptr_t address, std::size_t size, const void
 void* Execution::allocate(std::size_t size, std::size_t alignment, const void* pc) {
   if (!observed()) return Tenant::allocate(size, alignment, pc);
   ++me().effects;
-  void* block = heap_.allocate(cores_.current(), size, alignment, pc, limits_.reuse_memory);
+  const unsigned thread = cores_.current();
+  if (failed_allocations_ < limits_.failing_allocations && chosen(pc)) {
+    ++failed_allocations_;
+    ++me().failed_allocations;
+    return nullptr;
+  }
+  void* block = limits_.reuse_memory && heap_.can_reuse(thread, size, alignment) && chosen(pc)
+                    ? heap_.reuse(thread, size, alignment, pc)
+                    : heap_.allocate(thread, size, alignment, pc);
   // What is there must not depend on the execution before.
   if (block != nullptr) std::memset(block, 0xA5, size);
   return block;

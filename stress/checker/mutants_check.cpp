@@ -83,6 +83,7 @@ Trial try_queue(const QueueEntry& queue, const std::vector<std::string>& shapes,
   settings.seconds = seconds;
   settings.quiet = true;
   settings.reports = false;
+  settings.real_time = false;  // what mutants claim of time is for real threads to judge
   settings.options.seed = seed;
   Trial trial;
   for (const ShapeResult& shape : check_queue(queue, module, settings, "").shapes) {

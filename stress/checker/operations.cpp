@@ -55,6 +55,7 @@ class Search {
 
   // Whether the specification allows `operation` now; if so, makes it.
   bool apply(const Operation& operation) {
+    if (operation.no_memory) return true;
     if (operation.kind == Kind::push) {
       if (!operation.answered) return claims_.bounded && held_.size() >= capacity_;
       held_.push_back(operation.value);
@@ -138,16 +139,21 @@ std::optional<std::string> judge_producers(const std::vector<Operation>& operati
 bool precedes(const Operation& a, const Operation& b) {
   if (a.phase != b.phase) return a.phase < b.phase;
   if (a.thread == b.thread) return a.number < b.number;
+  if (b.called_at != 0 && a.returned_at != 0 && a.returned_at < b.called_at) return true;
   return b.called.count[a.thread] >= a.returned;
 }
 
 std::string to_string(const Operation& o) {
   if (o.kind == Kind::push)
     return "push " + std::to_string(o.value) +
-           (!o.finished  ? " ..."
-            : o.answered ? ""
-                         : " -> full");
-  return "pop -> " + (!o.finished ? "..." : o.answered ? std::to_string(o.value) : "empty");
+           (!o.finished   ? " ..."
+            : o.no_memory ? " -> no memory"
+            : o.answered  ? ""
+                          : " -> full");
+  return "pop -> " + (!o.finished   ? "..."
+                      : o.no_memory ? "no memory"
+                      : o.answered  ? std::to_string(o.value)
+                                    : "empty");
 }
 
 std::optional<std::string> judge(const std::vector<Operation>& operations, const Claims& claims,
@@ -170,10 +176,13 @@ std::optional<std::string> judge(const std::vector<Operation>& operations, const
   std::vector<Operation> answers;
   std::copy_if(operations.begin(), operations.end(), std::back_inserter(answers),
                [](const Operation& o) { return o.answered; });
+  const bool timed = std::any_of(operations.begin(), operations.end(),
+                                 [](const Operation& o) { return o.called_at != 0; });
+  const std::string order = timed ? "real time" : "happens-before";
   if (!Search(answers, claimed, capacity).exists())
-    return "no order of the operations that agrees with happens-before is first-in first-out";
-  return "the elements left in order, but in no order of the operations that agrees with "
-         "happens-before are all answers of \"empty\" and \"full\" true";
+    return "no order of the operations that agrees with " + order + " is first-in first-out";
+  return "the elements left in order, but in no order of the operations that agrees with " + order +
+         " are all answers of \"empty\" and \"full\" true";
 }
 
 }  // namespace irt::checker

@@ -23,18 +23,21 @@ struct Operation {
   unsigned worker = 0;     ///< on whose behalf
   std::size_t number = 0;  ///< of the call, as the execution made them
   enum class Phase : std::uint8_t { before, during, after } phase = Phase::during;
-  bool answered = false;  ///< what the call returned
-  bool finished = false;  ///< whether it returned at all
+  bool answered = false;   ///< what the call returned
+  bool finished = false;   ///< whether it returned at all
+  bool no_memory = false;  ///< it had no effect, since there was no memory, and said so
   std::uint64_t value = 0;
-  Clock called{};              ///< what happens before the call
-  bool ends_frame = false;     ///< it answered that there will be no more tasks ...
-  Clock before_return{};       ///< ... and this is what happens before that
-  std::uint16_t returned = 0;  ///< the moment of its thread at which it returned
-  std::size_t first_step = 0;  ///< steps of the execution before the call
-  std::size_t last_step = 0;   ///< and before the return
+  Clock called{};                 ///< what happens before the call
+  bool ends_frame = false;        ///< it answered that there will be no more tasks ...
+  Clock before_return{};          ///< ... and this is what happens before that
+  std::uint16_t returned = 0;     ///< the moment of its thread at which it returned
+  std::uint64_t called_at = 0;    ///< by the execution's clock, see Execution::tick; 0: not asked
+  std::uint64_t returned_at = 0;  ///< likewise
+  std::size_t first_step = 0;     ///< steps of the execution before the call
+  std::size_t last_step = 0;      ///< and before the return
 };
 
-/// Whether `a` returns before `b` is called, as far as the code can know.
+/// Whether `a` returns before `b` is called, as far as the code can know or a clock has seen.
 bool precedes(const Operation& a, const Operation& b);
 
 /// "push 3 -> full", "pop -> 3", "pop -> empty".

@@ -30,6 +30,9 @@ std::string_view name_of(Search search) {
   return "?";
 }
 
+/// What the exhaustive search is called when a clock orders the calls.
+constexpr const char* timed_search = "real time";
+
 std::string report_of(QueueClient& client, const Options& options, const Result& result,
                       virtual_cores::Module& module, const std::string& command) {
   Symbols symbols(module);
@@ -63,7 +66,7 @@ void say(const ShapeResult& s) {
   std::string verdict = "nothing found" + estimate(r.executions, r.explored);
   if (r.finding)
     verdict = std::string(checker::name_of(r.finding->kind));
-  else if (r.finished && s.search == "exhaustive")
+  else if (r.finished && (s.search == "exhaustive" || s.search == timed_search))
     verdict = "proved";
   else if (r.finished)
     verdict = "nothing within the bound";
@@ -81,10 +84,12 @@ class QueueCheck {
         module_(module),
         settings_(settings),
         command_(command),
-        shapes_(settings.shapes.empty() ? battery(entry.claims) : settings.shapes) {}
+        shapes_(settings.shapes.empty() ? battery(entry.claims) : settings.shapes),
+        clocked_(settings.real_time.value_or(false)) {}
 
   QueueResult run() {
     all_.unseen = module_.unseen_calls();
+    all_.unseen_instructions = Symbols(module_).unseen_instructions();
     // Proofs first, of all shapes; then samples of those that were too large for one. Who finishes
     // early leaves the time to the rest.
     const auto open = search_all(shapes_, settings_.search.value_or(Search::exhaustive),
@@ -95,6 +100,10 @@ class QueueCheck {
         search_all(open, search, until += 0.15);
       for (const std::string& shape : shapes_to_stall())
         if (!all_.found) stall(shape);
+      if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
+        clocked_ = true;
+        search_all(shapes_, Search::exhaustive, 1.0);
+      }
     }
     return std::move(all_);
   }
@@ -123,7 +132,7 @@ class QueueCheck {
     }
     for (std::size_t i = 0; i < shapes.size() && !all_.found; ++i) {
       const double left = until * settings_.seconds - elapsed();
-      ShapeResult shape{shapes[i], std::string(name_of(kind)), {}, 0, ""};
+      ShapeResult shape{shapes[i], label(kind), {}, 0, ""};
       search(shape, kind, left / static_cast<double>(shapes.size() - i), settings_.options.seed);
       if (!shape.result.finished) open.push_back(shapes[i]);
       add(std::move(shape));
@@ -136,8 +145,7 @@ class QueueCheck {
   void sample(const std::vector<std::string>& shapes, Search kind, double until) {
     std::vector<ShapeResult> results;
     results.reserve(shapes.size());
-    for (const std::string& shape : shapes)
-      results.push_back({shape, std::string(name_of(kind)), {}, 0, ""});
+    for (const std::string& shape : shapes) results.push_back({shape, label(kind), {}, 0, ""});
     constexpr std::uint64_t next_seed = 1'000'003;  // a round begins where no other one does
     std::uint64_t seed = settings_.options.seed;
     const auto found = [](const ShapeResult& s) { return s.result.finding.has_value(); };
@@ -155,9 +163,13 @@ class QueueCheck {
     for (ShapeResult& shape : results) add(std::move(shape));
   }
 
+  [[nodiscard]] std::string label(Search kind) const {
+    return clocked_ && kind == Search::exhaustive ? timed_search : std::string(name_of(kind));
+  }
+
   /// One search, whose work is added to what `shape` holds already.
   void search(ShapeResult& shape, Search kind, double seconds, std::uint64_t seed) {
-    QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_);
+    QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_, clocked_);
     Options options = settings_.options;
     options.search = kind;
     options.seed = seed;
@@ -173,7 +185,8 @@ class QueueCheck {
     shape.histories = std::max(shape.histories, client.histories());
     if (!shape.result.finding || !settings_.reports) return;
     const Result simple = simplest(client.scenario(), options, shape.result);
-    shape.report = report_of(client, options, simple, module_, command_);
+    shape.report =
+        report_of(client, options, simple, module_, command_ + (clocked_ ? " --real-time" : ""));
   }
 
   void stall(const std::string& text) {
@@ -209,6 +222,7 @@ class QueueCheck {
   const CheckSettings& settings_;
   const std::string& command_;
   std::vector<std::string> shapes_;
+  bool clocked_;  ///< calls are ordered by a clock
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   QueueResult all_;
 };
@@ -223,7 +237,8 @@ QueueResult check_queue(const QueueEntry& entry, virtual_cores::Module& module,
 std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
                    const CheckSettings& settings, const std::string& shape,
                    const std::string& schedule, const std::string& dot_file) {
-  QueueClient client(entry, parse_shape(shape), settings.capacity, &module);
+  QueueClient client(entry, parse_shape(shape), settings.capacity, &module,
+                     settings.real_time.value_or(false));
   Result result;
   result.schedule = parse_schedule(schedule);
   const auto execution = repeat(client.scenario(), settings.options, result.schedule);

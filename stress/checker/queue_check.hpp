@@ -18,6 +18,9 @@ struct CheckSettings {
   bool progress = true;             ///< stop threads to see whether others go on
   bool quiet = false;               ///< say nothing while running
   bool reports = true;              ///< of findings; without, the first one ends the check at once
+  /// Calls are ordered by a clock, see QueueClient. None: in a search of its own, at last, if the
+  /// queue claims `fifo_real_time`.
+  std::optional<bool> real_time;
   Options options;
 };
 
@@ -32,7 +35,8 @@ struct ShapeResult {
 
 struct QueueResult {
   std::vector<ShapeResult> shapes;
-  std::vector<std::string> unseen;  ///< calls into code that the checker does not see
+  std::vector<std::string> unseen;               ///< calls into code that the checker does not see
+  std::vector<std::string> unseen_instructions;  ///< see Symbols
   bool found = false;
 };
 

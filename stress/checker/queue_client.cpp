@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <new>
 #include <stdexcept>
 
 namespace irt::checker {
@@ -84,8 +85,8 @@ std::vector<std::string> battery(const Claims& claims) {
 }
 
 QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
-                         virtual_cores::Module* module)
-    : entry_(entry), shape_(std::move(shape)), capacity_(capacity) {
+                         virtual_cores::Module* module, bool real_time)
+    : entry_(entry), shape_(std::move(shape)), capacity_(capacity), real_time_(real_time) {
   if (shape_.capacity != 0) capacity_ = shape_.capacity;
   if (capacity_ == 0) {
     const auto held = std::count(shape_.prologue.begin(), shape_.prologue.end(), 'E');
@@ -158,42 +159,58 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread, unsig
 }
 
 bool QueueClient::push(unsigned thread, unsigned worker) {
-  const Execution& execution = *Execution::current_execution();
-  const std::size_t number = operations_.size();
   const std::uint64_t value = 100 * (thread + 1) + ++pushed_[thread];
-  operations_.push_back({.kind = Operation::Kind::push,
-                         .thread = thread,
-                         .worker = worker,
-                         .number = number,
-                         .phase = phase_,
-                         .value = value,
-                         .called = execution.clock_of(thread),
-                         .first_step = execution.steps().size()});
-  const bool answered = queue_->push(worker, value);
-  Operation& done = operations_[number];
-  done.answered = answered;
-  done.finished = true;
-  done.returned = static_cast<std::uint16_t>(execution.clock_of(thread).count[thread] + 1);
-  done.last_step = execution.steps().size();
-  return answered;
+  const std::size_t number = call(Operation::Kind::push, thread, worker);
+  operations_[number].value = value;
+  return finish(number, [&] { return queue_->push(worker, value); });
 }
 
 bool QueueClient::pop(unsigned thread, unsigned worker) {
-  const Execution& execution = *Execution::current_execution();
+  const std::size_t number = call(Operation::Kind::pop, thread, worker);
+  std::uint64_t value = 0;
+  const bool answered = finish(number, [&] { return queue_->pop(worker, value); });
+  if (answered) operations_[number].value = value;
+  return answered;
+}
+
+std::size_t QueueClient::call(Operation::Kind kind, unsigned thread, unsigned worker) {
+  Execution& execution = *Execution::current_execution();
   const std::size_t number = operations_.size();
-  operations_.push_back({.kind = Operation::Kind::pop,
+  operations_.push_back({.kind = kind,
                          .thread = thread,
                          .worker = worker,
                          .number = number,
                          .phase = phase_,
                          .called = execution.clock_of(thread),
                          .first_step = execution.steps().size()});
-  std::uint64_t value = 0;
-  const bool answered = queue_->pop(worker, value);
+  if (real_time_) {
+    const std::uint64_t now = execution.tick();
+    operations_[number].called_at = now;
+  }
+  return number;
+}
+
+template <class Work>
+bool QueueClient::finish(std::size_t number, Work work) {
+  Execution& execution = *Execution::current_execution();
+  const unsigned thread = operations_[number].thread;
+  const unsigned failed = execution.failed_allocations(thread);
+  bool answered = false;
+  bool thrown = false;
+  try {
+    answered = work();
+  } catch (const std::bad_alloc&) {
+    if (execution.failed_allocations(thread) == failed) throw;
+    thrown = true;
+  }
+  const std::uint64_t now = real_time_ ? execution.tick() : 0;
   Operation& done = operations_[number];
   done.answered = answered;
   done.finished = true;
-  done.value = answered ? value : 0;
+  // Some libraries answer "full" for want of memory; a queue that is empty has no need to.
+  done.no_memory = thrown || (!answered && done.kind == Operation::Kind::push &&
+                              execution.failed_allocations(thread) != failed);
+  done.returned_at = now;
   done.returned = static_cast<std::uint16_t>(execution.clock_of(thread).count[thread] + 1);
   done.last_step = execution.steps().size();
   return answered;
@@ -243,7 +260,7 @@ std::optional<std::string> QueueClient::judge_history(const Execution& execution
     std::uint64_t before = 0;
     for (std::size_t a = 0; a < sorted.size(); ++a)
       before |= std::uint64_t{precedes(*sorted[a], *b)} << a;
-    key += b->answered ? 'y' : 'n';
+    key += b->no_memory ? 'm' : b->answered ? 'y' : 'n';
     key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
     key.append(reinterpret_cast<const char*>(&before), sizeof before);
   }

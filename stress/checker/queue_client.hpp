@@ -54,9 +54,10 @@ std::vector<std::string> battery(const Claims& claims);
 class QueueClient {
  public:
   /// `capacity` is used where the shape leaves it open; 0 makes it one element, or for a bounded
-  /// queue as many as the prologue pushes, so that rings are full and go round.
+  /// queue as many as the prologue pushes, so that rings are full and go round. With `real_time`
+  /// calls are ordered by a clock as well, which is what `fifo_real_time` promises to agree with.
   QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
-              virtual_cores::Module* module);
+              virtual_cores::Module* module, bool real_time = false);
   QueueClient(const QueueClient&) = delete;
   QueueClient& operator=(const QueueClient&) = delete;
 
@@ -71,12 +72,16 @@ class QueueClient {
   void work_until_over(unsigned thread, unsigned worker);
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
+  std::size_t call(Operation::Kind kind, unsigned thread, unsigned worker);
+  template <class Work>
+  bool finish(std::size_t number, Work work);
   std::optional<std::string> judge_history(const Execution& execution);
   [[nodiscard]] std::optional<std::string> judge_stalled() const;
 
   QueueEntry entry_;
   Shape shape_;
   std::size_t capacity_;
+  bool real_time_;
   Scenario scenario_;
   AnyWorkQueue<std::uint64_t>* queue_ = nullptr;
   std::vector<Operation> operations_;

@@ -153,7 +153,7 @@ std::string columns(const Execution& execution, const std::vector<Operation>& op
       const Line& source = symbols.at(event.pc);
       const std::string result = what_it_did(event, names);
       std::string place = fmt::format("  {} ", source.number);
-      if (event.pc == nullptr) place = "  signal ";
+      if (event.pc == nullptr) place = event.silent ? "  clock " : "  signal ";
       std::string code = source.text.empty() ? std::string(name_of(event.order)) : source.text;
       const std::size_t room = width - 2 - std::min(width / 2, place.size() + result.size());
       place.append(fitted(code, room)).append(result);

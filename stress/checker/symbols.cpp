@@ -1,5 +1,6 @@
 #include "stress/checker/symbols.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fmt/format.h>
@@ -24,6 +25,25 @@ std::vector<std::string> output_of(const std::string& command) {
 
 bool is_standard_library(const std::string& file) {
   return file.find("/c++/") != std::string::npos || file.find("/bits/") != std::string::npos;
+}
+
+// Whether it does to memory what an instrumented access never compiles to: atomic operations and
+// fences are calls there. So it was written as assembly, or as an intrinsic that is no access to
+// the compiler.
+bool escapes_hooks(std::string_view instruction) {
+  static constexpr std::array always{
+      std::string_view("lock "),    std::string_view("mfence"),    std::string_view("sfence"),
+      std::string_view("lfence"),   std::string_view("movnt"),     std::string_view("vmovnt"),
+      std::string_view("maskmov"),  std::string_view("vmaskmov"),  std::string_view("vpmaskmov"),
+      std::string_view("vscatter"), std::string_view("vpscatter"), std::string_view("cmpxchg"),
+      std::string_view("xadd"),     std::string_view("xbegin"),    std::string_view("rdtsc"),
+      std::string_view("syscall")};
+  const bool exchanges =
+      instruction.starts_with("xchg") && instruction.find('(') != std::string_view::npos;
+  return exchanges ||
+         std::any_of(always.begin(), always.end(), [instruction](std::string_view name) {
+           return instruction.starts_with(name);
+         });
 }
 
 std::string quoted(const std::string& text) {
@@ -64,6 +84,25 @@ const Line& Symbols::at(const void* pc) {
     line.text.erase(0, line.text.find_first_not_of(" \t"));
   }
   return line;
+}
+
+std::vector<std::string> Symbols::unseen_instructions() {
+  std::vector<std::string> result;
+  for (const std::string& line :
+       output_of("objdump -d --no-show-raw-insn " + quoted(module_.file()) + " 2>/dev/null")) {
+    const std::size_t tab = line.find('\t');
+    if (tab == std::string::npos) continue;
+    const std::string_view instruction = std::string_view(line).substr(tab + 1);
+    if (!escapes_hooks(instruction)) continue;
+    const std::uintptr_t address = module_.load_offset() + std::strtoull(line.c_str(), nullptr, 16);
+    const std::string place = name(reinterpret_cast<const void*>(address + 1));
+    const std::size_t words = instruction.starts_with("lock ") ? instruction.find(' ') + 1 : 0;
+    const std::size_t end = instruction.find_first_of(" \t", words);
+    result.push_back(fmt::format("{} at {}", instruction.substr(0, end), place));
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 std::string Symbols::name(const void* pc) {

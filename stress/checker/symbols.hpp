@@ -28,6 +28,10 @@ class Symbols {
   /// "michael_scott_queue.hpp:84", or the bare address.
   std::string name(const void* pc);
 
+  /// Instructions of the module that touch memory behind the checker's back, by objdump(1):
+  /// "lock xadd at queue.hpp:12". They come from inline assembly and from intrinsics.
+  std::vector<std::string> unseen_instructions();
+
  private:
   const virtual_cores::Module& module_;
   std::map<const void*, Line> lines_;

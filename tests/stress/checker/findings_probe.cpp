@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cassert>
 #include <condition_variable>
+#include <cstdint>
 #include <cstdlib>
 #include <mutex>
 #include <pthread.h>
@@ -440,9 +441,35 @@ const irt::findings::Program programs[] = {
         data = 0;
       },
       [] { y.store(x.load(acq) & 1, rlx); }}},
+    {"memory comes back",
+     "",
+     {[] {
+        void* const first = std::malloc(8);
+        const auto place = reinterpret_cast<std::uintptr_t>(first);
+        std::free(first);
+        void* const second = std::malloc(8);
+        assert(place != reinterpret_cast<std::uintptr_t>(second));
+        std::free(second);
+      },
+      no_work}},
+    {"memory runs out",
+     "",
+     {[] {
+        void* const first = std::malloc(8);
+        void* const second = std::malloc(8);
+        assert(first != nullptr || second != nullptr);
+        std::free(second);
+        std::free(first);
+      },
+      no_work}},
 };
 
 }  // namespace
+
+/// What no hook announces.
+extern "C" void irt_findings_assembly(int* counter) {
+  asm volatile("lock addl $1, %0" : "+m"(*counter));
+}
 
 extern "C" const irt::findings::Program* irt_findings_programs(unsigned* count) {
   *count = sizeof programs / sizeof *programs;

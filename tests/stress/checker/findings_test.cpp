@@ -6,6 +6,7 @@
 #include <string>
 
 #include "stress/checker/checker.hpp"
+#include "stress/checker/symbols.hpp"
 
 namespace checker = irt::checker;
 
@@ -85,4 +86,34 @@ TEST(Schedule, is_refused_with_a_reason) {
   for (const char* text : {"", "a3", "s:A", "s:a0", "s:3a"})
     EXPECT_THROW(checker::parse_schedule(text), std::invalid_argument) << text;
   EXPECT_EQ(to_string(checker::parse_schedule("s:a3b'1a2")), "s:a3b'1a2");
+}
+
+TEST_F(Findings, memory_that_comes_back_is_a_choice) {
+  for (const auto& program : programs()) {
+    if (std::string(program.name) != "memory comes back") continue;
+    checker::Options options;
+    options.limits.reuse_memory = true;
+    const checker::Result result = check(scenario_of(program), options);
+    EXPECT_EQ(found(result), "failure");
+    EXPECT_GE(result.complete, 1U) << "it need not come back";
+  }
+}
+
+TEST_F(Findings, as_many_allocations_fail_as_may) {
+  for (const auto& program : programs()) {
+    if (std::string(program.name) != "memory runs out") continue;
+    checker::Options options;
+    for (const unsigned most : {1U, 2U}) {
+      options.limits.failing_allocations = most;
+      const checker::Result result = check(scenario_of(program), options);
+      EXPECT_EQ(found(result), most == 1 ? "" : "failure");
+      EXPECT_EQ(result.complete, 3U) << "none, the first or the second alone";
+    }
+  }
+}
+
+TEST_F(Findings, what_no_hook_announces_is_named) {
+  const std::vector<std::string> unseen = checker::Symbols(module_).unseen_instructions();
+  ASSERT_EQ(unseen.size(), 1U);
+  EXPECT_TRUE(unseen[0].starts_with("lock addl at findings_probe.cpp:")) << unseen[0];
 }

@@ -126,6 +126,59 @@ class TwoLocks {
 
 /// Vyukov's bounded ring. With a false claim: a producer that stops between taking a slot and
 /// filling it hides what was pushed after it.
+/// One lock around everything. `forgetful`: a pop asks for memory when it has taken its element.
+template <class T, bool forgetful>
+class OneLock {
+ public:
+  static constexpr std::string_view summary = "a list under one lock";
+  static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
+
+  OneLock(unsigned, std::size_t) {}
+  ~OneLock() {
+    T task;
+    while (take(task)) {
+    }
+  }
+
+  bool push(unsigned, T task) {
+    auto node = std::make_unique<Node>(task);
+    const std::lock_guard lock(mutex_);
+    Node* const last = node.release();
+    (last_ != nullptr ? last_->next : first_) = last;
+    last_ = last;
+    return true;
+  }
+  bool pop(unsigned, T& task) {
+    if (!take(task)) return false;
+    if (!forgetful) return true;
+    const std::lock_guard lock(mutex_);
+    receipt_ = std::make_unique<Node>(task);
+    return true;
+  }
+
+ private:
+  struct Node {
+    explicit Node(T t) : task(t) {}
+    T task;
+    Node* next = nullptr;
+  };
+
+  bool take(T& task) {
+    const std::lock_guard lock(mutex_);
+    if (first_ == nullptr) return false;
+    const std::unique_ptr<Node> node(first_);
+    first_ = node->next;
+    if (first_ == nullptr) last_ = nullptr;
+    task = node->task;
+    return true;
+  }
+
+  std::mutex mutex_;
+  Node* first_ = nullptr;
+  Node* last_ = nullptr;
+  std::unique_ptr<Node> receipt_;
+};
+
 template <class T, bool claims_lock_free>
 class Ring {
  public:
@@ -194,6 +247,10 @@ using DeleteNow = Linked<T, Fault::delete_now>;
 template <class T>
 using NoHelp = Linked<T, Fault::no_help>;
 template <class T>
+using Locked = OneLock<T, false>;
+template <class T>
+using Forgetful = OneLock<T, true>;
+template <class T>
 using HonestRing = Ring<T, false>;
 template <class T>
 using BoastfulRing = Ring<T, true>;
@@ -206,6 +263,8 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<DeleteNow>("delete-now"),
     irt::queue_entry<NoHelp>("no-help"),
     irt::queue_entry<TwoLocks>("two-locks"),
+    irt::queue_entry<Locked>("locked"),
+    irt::queue_entry<Forgetful>("forgetful"),
     irt::queue_entry<HonestRing>("honest-ring"),
     irt::queue_entry<BoastfulRing>("boastful-ring"),
 };

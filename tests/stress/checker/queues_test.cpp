@@ -94,6 +94,37 @@ TEST_F(Queues, a_stopped_producer_blocks_a_ring_and_no_linked_queue) {
   EXPECT_GT(linked.executions, 20U);
 }
 
+TEST_F(Queues, a_clock_shows_what_happens_before_does_not) {
+  const auto timed = [this](std::string_view queue, std::string_view shape) {
+    checker::QueueClient client(entry(queue), checker::parse_shape(shape), 2, &module_, true);
+    return checker::check(client.scenario(), {});
+  };
+  // Its "empty" may be old news, which it does not deny.
+  const checker::Result linked = timed("healthy", "E|D");
+  ASSERT_TRUE(linked.finding);
+  EXPECT_NE(linked.finding->text.find("real time"), std::string::npos) << linked.finding->text;
+  for (const char* shape : {"E|D", "E:D|D", "ED|ED", "E|D|D"}) {
+    const checker::Result locked = timed("locked", shape);
+    EXPECT_TRUE(locked.finished) << shape;
+    EXPECT_FALSE(locked.finding) << shape << ": " << locked.finding->text;
+  }
+}
+
+TEST_F(Queues, what_is_lost_for_want_of_memory_is_found) {
+  checker::Options options;
+  options.limits.failing_allocations = 1;
+  for (const char* queue : {"healthy", "locked"}) {
+    const checker::Result sound = check(queue, "ED|D", options);
+    EXPECT_TRUE(sound.finished) << queue;
+    EXPECT_FALSE(sound.finding) << queue << ": " << sound.finding->text;
+  }
+  EXPECT_FALSE(check("forgetful", "ED|D", {}).finding);
+  const checker::Result forgetful = check("forgetful", "ED|D", options);
+  ASSERT_TRUE(forgetful.finding);
+  EXPECT_NE(forgetful.finding->text.find("never came out"), std::string::npos)
+      << forgetful.finding->text;
+}
+
 TEST_F(Queues, parts_of_the_work_add_up) {
   const checker::Result whole = check("healthy", "ED|ED|D", {});
   std::uint64_t sum = 0;
