@@ -59,6 +59,15 @@ class FixedPointFrameBuffer final : public FrameBuffer {
             to_float(words.blue.load(std::memory_order_relaxed))};
   }
 
+  void sums(std::uint32_t first, std::uint32_t count, float* rgb) const override {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Vec3 value = FixedPointFrameBuffer::sum(first + i);
+      *rgb++ = value.x;
+      *rgb++ = value.y;
+      *rgb++ = value.z;
+    }
+  }
+
   /// Contributions that `pixel` has got since the last clear.
   std::uint64_t contributions(std::uint32_t pixel) const {
     return words_[pixel].red.load(std::memory_order_relaxed) & count_mask;
@@ -85,7 +94,8 @@ class FixedPointFrameBuffer final : public FrameBuffer {
   }
 
   static float to_float(std::uint64_t sum) {
-    return static_cast<float>(static_cast<double>(sum) / double{scale});
+    // A sum has 48 bits at most, and processors convert signed numbers faster.
+    return static_cast<float>(static_cast<double>(static_cast<std::int64_t>(sum)) / double{scale});
   }
 
   std::vector<Words> words_;

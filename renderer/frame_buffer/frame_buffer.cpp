@@ -1,20 +1,15 @@
 #include "renderer/frame_buffer/frame_buffer.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "renderer/frame_buffer/atomic_float.hpp"
 #include "renderer/frame_buffer/fixed_point.hpp"
+#include "renderer/frame_buffer/gamma.hpp"
 #include "renderer/frame_buffer/spinlock.hpp"
 
 namespace irt {
 namespace {
-
-std::uint8_t to_byte(float linear) {
-  constexpr float half = 0.5f;  // the cast cuts; std::lround would be a call per channel
-  const float clamped = linear < 1 ? linear : 1;
-  return static_cast<std::uint8_t>(std::sqrt(clamped) * 255.0f + half);
-}
 
 template <class Buffer>
 std::unique_ptr<FrameBuffer> make(std::uint32_t width, std::uint32_t height) {
@@ -43,12 +38,12 @@ std::uint64_t fnv1a(std::span<const std::uint8_t> bytes, std::uint64_t state) {
 
 Image FrameBuffer::image() const {
   Image image{width_, height_, std::vector<std::uint8_t>(std::size_t{pixels()} * 3)};
-  for (std::uint32_t pixel = 0; pixel < pixels(); ++pixel) {
-    const Vec3 value = sum(pixel);
-    for (int channel = 0; channel < 3; ++channel) {
-      image.rgb[std::size_t{pixel} * 3 + static_cast<std::size_t>(channel)] =
-          to_byte(value[channel]);
-    }
+  constexpr std::uint32_t at_once = 64;
+  for (std::uint32_t first = 0; first < pixels(); first += at_once) {
+    const std::uint32_t count = std::min(at_once, pixels() - first);
+    alignas(64) float linear[3 * at_once];
+    sums(first, count, linear);
+    to_bytes(linear, std::size_t{3} * count, &image.rgb[std::size_t{3} * first]);
   }
   return image;
 }

@@ -45,6 +45,14 @@ class FrameBuffer {
   /// The sum at `pixel`. No add runs at the same time.
   virtual Vec3 sum(std::uint32_t pixel) const = 0;
 
+  /// `sum` of `count` pixels from `first` on, red, green and blue of one after the other.
+  virtual void sums(std::uint32_t first, std::uint32_t count, float* rgb) const {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Vec3 value = sum(first + i);
+      for (int channel = 0; channel < 3; ++channel) *rgb++ = value[channel];
+    }
+  }
+
   /// How many contributions a pixel may get between two clears.
   virtual std::uint64_t max_contributions() const {
     return std::numeric_limits<std::uint64_t>::max();

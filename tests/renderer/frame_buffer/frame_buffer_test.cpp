@@ -1,5 +1,6 @@
 #include "renderer/frame_buffer/frame_buffer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -73,6 +74,26 @@ TEST(FrameBuffer, PictureIsTheSquareRoot) {
   buffer.add(0, {0.25f, 1, 7});
   const Image image = buffer.image();
   EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{128, 255, 255, 0, 0, 0}));
+}
+
+TEST(FrameBuffer, EveryByteIsTheRoundedSquareRoot) {
+  for (const FrameBufferEntry& entry : frame_buffers()) {
+    SCOPED_TRACE(entry.name);
+    const auto buffer = entry.make(37, 11);  // no multiple of any vector
+    for (std::uint32_t pixel = 0; pixel < buffer->pixels(); ++pixel) {
+      const float light = static_cast<float>(pixel) / 300;  // some above 1
+      buffer->add(pixel, {light, light * light, 1 - light});
+    }
+    const Image image = buffer->image();
+    for (std::uint32_t pixel = 0; pixel < buffer->pixels(); ++pixel) {
+      for (int channel = 0; channel < 3; ++channel) {
+        const float clamped = std::min(buffer->sum(pixel)[channel], 1.0f);
+        EXPECT_EQ(image.rgb[std::size_t{3} * pixel + static_cast<std::size_t>(channel)],
+                  static_cast<std::uint8_t>(std::sqrt(clamped) * 255.0f + 0.5f))
+            << pixel << " " << channel;
+      }
+    }
+  }
 }
 
 TEST(FrameBuffer, FnvMatchesItsPublishedValues) {

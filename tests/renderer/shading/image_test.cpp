@@ -35,17 +35,25 @@ TEST(ImageRendering, EveryPixelGetsOnePrimaryRayInCompactBlocks) {
   for (const auto& [width, height] : {std::pair{64u, 32u}, {300u, 300u}, {1u, 1u}, {17u, 3u}}) {
     const auto frame = frame_buffers().front().make(width, height);
     const Whitted shader(scene, *frame, {});
-    ImageRendering application(scene.camera, *frame, shader, 256);
-    TaskPool pool(1, 256);
+    // 100 is no multiple of a tile nor of a packet.
+    const std::uint32_t rays_per_task = width == 300 ? 100 : 256;
+    ImageRendering application(scene.camera, *frame, shader, rays_per_task);
+    TaskPool pool(1, rays_per_task);
     TaskSink sink(pool, 0);
     application.start_frame(sink);
 
+    const PrimaryRays rays(scene.camera, width, height);
     std::set<std::uint32_t> pixels;
     for (const Task* task : sink.finish()) {
       EXPECT_EQ(task->kind, TaskKind::primary);
       for (std::uint32_t i = 0; i < task->rays.size; ++i) {
         EXPECT_EQ(task->rays.weight(i), (Vec3{1, 1, 1}));
-        EXPECT_TRUE(pixels.insert(task->rays.pixel[i]).second);
+        const std::uint32_t pixel = task->rays.pixel[i];
+        EXPECT_TRUE(pixels.insert(pixel).second);
+        const Ray ray = rays.through(pixel % width, pixel / width);
+        EXPECT_EQ(task->rays.ray(i).origin, ray.origin);
+        EXPECT_EQ(task->rays.ray(i).direction, ray.direction) << pixel;  // to the bit
+        EXPECT_EQ(task->rays.ray(i).t_max, ray.t_max);
       }
       if (width % 16 != 0 || height % 16 != 0) continue;
       for (std::uint32_t packet = 0; packet < task->rays.size; packet += 16) {  // a 4 x 4 block
