@@ -68,6 +68,46 @@ std::vector<double> samples_of(const json& run) {
   }
 }
 
+/// Puts the rates per second of processor time in the place of the others.
+void take_processor_time(json& runs) {
+  for (json& run : runs) {
+    if (!run.contains("samples_per_cpu_second")) {
+      throw UsageError(fmt::format(
+          "--per-cpu-second: queue {} has no such samples; measure again with this version",
+          run["queue"].dump()));
+    }
+    run["samples"] = run["samples_per_cpu_second"];
+  }
+}
+
+/// Rates that one sweep took in the same rounds, one after the other.
+struct Pairs {
+  std::vector<double> before, after;
+};
+
+/// Those of two runs of one sweep; none where the runs come from different ones.
+Pairs pairs_of(const json& before, const json& after) {
+  const auto sweep_of = [](const json& run) {
+    return std::pair(run.value("conditions", json()), run.value("seed", json()));
+  };
+  const json rounds = before.value("rounds", json()), others = after.value("rounds", json());
+  const std::vector<double> a = samples_of(before), b = samples_of(after);
+  const bool comparable = rounds.is_array() && others.is_array() && rounds.size() == a.size() &&
+                          others.size() == b.size() && before.contains("conditions") &&
+                          sweep_of(before) == sweep_of(after);
+  if (!comparable) return {};
+  Pairs pairs;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto other = std::ranges::find(others, rounds[i]);
+    if (other == others.end()) continue;
+    const double beside = b[static_cast<std::size_t>(other - others.begin())];
+    if (a[i] <= 0 || beside <= 0) return {};  // have no ratio
+    pairs.before.push_back(a[i]);
+    pairs.after.push_back(beside);
+  }
+  return pairs;
+}
+
 nlohmann::ordered_json compared(const json& before, const json& after) {
   const std::vector<double> a = samples_of(before), b = samples_of(after);
   nlohmann::ordered_json line;
@@ -79,14 +119,27 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
     line["verdict"] = words(Verdict::too_few);
     return line;
   }
-  const Ratio factor = ratio(a, b);
   line["median_before"] = median(a);
   line["median_after"] = median(b);
-  line["ratio"] = factor.of_medians;
-  line["ratio_low"] = factor.interval ? json(factor.interval->low) : json();
-  line["ratio_high"] = factor.interval ? json(factor.interval->high) : json();
-  line["p"] = mann_whitney(a, b).p;
-  line["verdict"] = words(judge(a, b));
+  const Pairs pairs = pairs_of(before, after);
+  const bool paired = pairs.before.size() >= fewest_pairs;
+  Paired found;
+  if (paired) {
+    found = judge_pairs(pairs.before, pairs.after);
+  } else {
+    const Ratio factor = ratio(a, b);
+    found = {.ratio = factor.of_medians,
+             .interval = factor.interval,
+             .p = mann_whitney(a, b).p,
+             .verdict = judge(a, b)};
+  }
+  line["test"] = paired ? "signed-rank" : "mann-whitney";
+  line["pairs"] = paired ? json(pairs.before.size()) : json();
+  line["ratio"] = found.ratio;
+  line["ratio_low"] = found.interval ? json(found.interval->low) : json();
+  line["ratio_high"] = found.interval ? json(found.interval->high) : json();
+  line["p"] = found.p;
+  line["verdict"] = words(found.verdict);
   return line;
 }
 
@@ -104,8 +157,8 @@ std::string line_of(const nlohmann::ordered_json& one) {
       interval = fmt::format("{:.3f} to {:.3f}", one["ratio_low"].get<double>(),
                              one["ratio_high"].get<double>());
     }
-    line += fmt::format("{:.3f} ({})  p {:.4f}  ", one["ratio"].get<double>(), interval,
-                        one["p"].get<double>());
+    line += fmt::format("{:.3f} ({})  p {:.4f}{}  ", one["ratio"].get<double>(), interval,
+                        one["p"].get<double>(), one["pairs"].is_null() ? "" : " paired");
   }
   return line + text("verdict");
 }
@@ -153,8 +206,12 @@ int compare(const CompareOptions& options) {
     throw UsageError(
         fmt::format("--queues: {} given; it takes two, as lock,lfree", options.queues.size()));
   }
-  const json before = read_runs(options.files[0]);
-  const json after = one_file ? before : read_runs(options.files[1]);
+  json before = read_runs(options.files[0]);
+  json after = one_file ? before : read_runs(options.files[1]);
+  if (options.per_cpu_second) {
+    take_processor_time(before);
+    take_processor_time(after);
+  }
   if (!options.queues.empty()) {
     require_queue(options.queues[0], before);
     require_queue(options.queues[1], after);
@@ -168,10 +225,13 @@ int compare(const CompareOptions& options) {
   }
   for (const auto& line : lines) fmt::print("{}\n", line_of(line));
   fmt::print(
-      "\n{} of {} and {} runs compared: the second's rate over the first's, ratio of medians "
-      "(95% interval by Moses), p of the Mann-Whitney test; at the level of 5%, one "
-      "comparison of 20 between equals is called different by chance\n",
-      lines.size(), before.size(), after.size());
+      "\n{} of {} and {} runs compared: the second's rate{} over the first's, with its 95% "
+      "interval\n"
+      "and p: of one sweep by the signed ranks of its rounds (paired), else by the ratio of\n"
+      "medians and the Mann-Whitney test. At the level of 5%, one comparison of 20 between equals\n"
+      "is called different by chance.\n",
+      lines.size(), before.size(), after.size(),
+      options.per_cpu_second ? " per second of processor time" : "");
   for (const std::string& line : changed_conditions(before, after)) {
     fmt::print("note: {}\n", line);
   }

@@ -10,8 +10,24 @@
 #include <vector>
 
 #include "bench/contention/busy_wait.hpp"
+#include "bench/counted/atomic_events.hpp"
 
-namespace irt::contention {
+namespace irt {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AtomicEvents, compare_exchanges, failed_compare_exchanges,
+                                   other_modifications, loads, stores)
+
+namespace contention {
+
+/// What a repetition is for. Only `plain` ones make rates.
+enum class Pass : std::uint8_t {
+  plain,
+  stamped,  ///< the time of every operation
+  counted,  ///< the counting build of the queue, see counting.hpp
+};
+NLOHMANN_JSON_SERIALIZE_ENUM(Pass, {{Pass::plain, "plain"},
+                                    {Pass::stamped, "stamped"},
+                                    {Pass::counted, "counted"}})
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Pace, fixed_ns, step_ns)
 
@@ -27,13 +43,13 @@ struct Job {
   double seconds = 0.2;              ///< the timed interval
   double warmup_seconds = 0.5;       ///< the warm-up ends then at the latest
   double patience_seconds = 5;       ///< how long threads may take to stop
-  bool latency = false;              ///< stamp every operation
+  Pass pass = Pass::plain;           ///< what this repetition is for
   std::uint64_t seed = 1;
   std::vector<std::string> plugins;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, queue, scenario, producers, consumers, threads, work_ns,
                                    work_spread, pace, capacity, processors, seconds, warmup_seconds,
-                                   patience_seconds, latency, seed, plugins)
+                                   patience_seconds, pass, seed, plugins)
 
 /// The name of the queue that does nothing, by which the loop itself is measured.
 inline constexpr const char* no_queue = "(nothing)";
@@ -59,20 +75,24 @@ struct Sample {
   double variation = 0;    ///< of the last slices of the warm-up: standard deviation over mean
   std::string not_pinned;  ///< why threads could not be bound; empty if they were, or not asked to
   double work_ns_measured = 0;
-  double clock_ns = 0;  ///< between two stamps with nothing between them; with `latency`
+  double clock_ns = 0;  ///< between two stamps with nothing between them; of a stamped pass
   std::uint64_t context_switches = 0;
   std::uint64_t memory_peak_bytes = 0;  ///< resident, above what was before the queue was made
+  std::uint64_t memory_held_bytes = 0;  ///< allocated since then and not freed when threads stopped
   nlohmann::json energy_joules;         ///< null where there is no meter
   nlohmann::json counters;              ///< by name; null where none can be read
   std::vector<std::string> missing;     ///< why figures are null, a line each
-  Times push_times, pop_times;          ///< with `latency`
+  Times push_times, pop_times;          ///< of a stamped pass
+  AtomicEvents events;                  ///< of a counted pass, warm-up included, as are
+  std::uint64_t all_operations = 0;     ///< these: pushes and pops that succeeded
 
   std::uint64_t operations() const { return pushes + pops; }
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, status, message, seconds, pushes, pops, failed_pushes,
                                    failed_pops, held_back, fairness, cpu_seconds, steady, variation,
                                    not_pinned, work_ns_measured, clock_ns, context_switches,
-                                   memory_peak_bytes, energy_joules, counters, missing, push_times,
-                                   pop_times)
+                                   memory_peak_bytes, memory_held_bytes, energy_joules, counters,
+                                   missing, push_times, pop_times, events, all_operations)
 
-}  // namespace irt::contention
+}  // namespace contention
+}  // namespace irt

@@ -85,7 +85,7 @@ void Tool::add_sweep(CLI::App& app) {
   const auto list_of = [&](const char* name, auto& values, const char* description) {
     return command.add_option(name, values, description)->delimiter(',');
   };
-  list_of("--queue,--queues", plan.queues, "work queues (default: all)");
+  list_of("--queue,--queues", plan.queues, "work queues, or 'baselines' (default: all)");
   list_of("--scenario,--scenarios", plan.scenarios, "who pushes and pops what (see --list), or NxM")
       ->capture_default_str();
   list_of("--threads", plan.threads, "as 1,2,4 (default: up to twice the processors)")
@@ -150,6 +150,8 @@ void Tool::add_compare(CLI::App& app) {
       .add_option("--queues", comparing.queues,
                   "two: runs of the first queue against runs of the second")
       ->delimiter(',');
+  command.add_flag("--per-cpu-second", comparing.per_cpu_second,
+                   "per second of processor time, which other programs take nothing of");
   command.add_option("--json", comparing.json, "write the comparisons as JSON");
   command.final_callback([this] { code = compare(comparing); });
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "bench/contention/counting.hpp"
 #include "bench/contention/hardware_counters.hpp"
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
@@ -91,7 +92,7 @@ class Measurement {
     prefill();
     sample_.work_ns_measured =
         job_.work_ns > 0 ? measure_wait_ns(steps_for(job_.work_ns, job_.pace)) : 0;
-    if (job_.latency) {
+    if (stamped()) {
       ticks_per_nanosecond_ = stress::calibrate().ticks_per_nanosecond;
       sample_.clock_ns = measure_clock_ns(ticks_per_nanosecond_);
     }
@@ -107,8 +108,10 @@ class Measurement {
       on_hang(sample_);
     }
     for (std::thread& thread : threads_) thread.join();
-    sample_.memory_peak_bytes = memory_->bytes();
-    if (job_.latency) {
+    sample_.memory_peak_bytes = memory_->peak_bytes();
+    sample_.memory_held_bytes = memory_->held_bytes();
+    sample_.all_operations = look(table_).sums.operations();
+    if (stamped()) {
       sample_.push_times = times(&Seat::push_times);
       sample_.pop_times = times(&Seat::pop_times);
     }
@@ -122,6 +125,8 @@ class Measurement {
   }
 
  private:
+  bool stamped() const { return job_.pass == Pass::stamped; }
+
   void fail(const std::string& why) {
     if (sample_.status != "ok") return;
     sample_.status = "failed";
@@ -157,19 +162,23 @@ class Measurement {
   void one_thread(unsigned i) {
     if (!job_.processors.empty()) {
       const std::string why = bind_to(job_.processors[i % job_.processors.size()]);
-      const std::lock_guard lock(complaints_mutex_);
+      const std::lock_guard lock(sample_mutex_);
       if (!why.empty()) sample_.not_pinned = why;
     }
     present_.fetch_add(1, std::memory_order_relaxed);
     // (2) acquire: pairs with (1)
     while (!go_.load(std::memory_order_acquire)) std::this_thread::yield();
     try {
-      subject_->run(scenario_.program, *seats_[i], job_.latency);
+      subject_->run(scenario_.program, *seats_[i], stamped());
     } catch (const std::exception& error) {
-      const std::lock_guard lock(complaints_mutex_);
+      const std::lock_guard lock(sample_mutex_);
       fail(error.what());
       table_.stop.store(true, std::memory_order_relaxed);
       table_.gate.abandon();
+    }
+    if (job_.pass == Pass::counted) {
+      const std::lock_guard lock(sample_mutex_);
+      sample_.events += events_of_this_thread();
     }
     // (3) release: pairs with (4), so that the coordinator may free what this thread used
     finished_.fetch_add(1, std::memory_order_release);
@@ -281,14 +290,14 @@ class Measurement {
   const Scenario& scenario_;
   Table table_;
   std::vector<std::unique_ptr<Seat>> seats_;
-  std::optional<MemoryPeak> memory_;
+  std::optional<MemoryUse> memory_;
   std::unique_ptr<Subject> subject_;
   EnergyMeter energy_;
   HardwareCounters counters_;
   std::vector<std::thread> threads_;
   std::atomic<unsigned> present_{0}, finished_{0};
   std::atomic<bool> go_{false};
-  std::mutex complaints_mutex_;
+  std::mutex sample_mutex_;
   std::uint64_t prefilled_ = 0, prefilled_sum_ = 0;
   double ticks_per_nanosecond_ = 1;
   Sample sample_;

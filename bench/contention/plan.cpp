@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "bench/conditions/baselines.hpp"
+#include "bench/conditions/claims.hpp"
 #include "bench/contention/busy_wait.hpp"
+#include "bench/contention/counting.hpp"
+#include "bench/contention/subject.hpp"
 #include "bench/frames/usage_error.hpp"
 
 namespace irt::contention {
@@ -28,12 +32,34 @@ void drop_repeats(std::vector<T>& values) {
   values = std::move(once);
 }
 
+// What the claims, or a baseline's lack of elements, do not allow; empty where there is nothing.
+std::string obstacle(const Scenario& scenario, const Cast& cast, const Claims& claims) {
+  if (scenario.program == Program::frames && !claims.carries_elements) {
+    return "it carries no elements, and a task says what comes of it";
+  }
+  return contention::obstacle(cast, claims);
+}
+
+std::vector<std::string> with_baselines(const std::vector<std::string>& names) {
+  std::vector<std::string> all;
+  for (const std::string& name : names) {
+    if (name != baselines) {
+      all.push_back(name);
+      continue;
+    }
+    for (std::string& baseline : baseline_queues()) all.push_back(std::move(baseline));
+  }
+  return all;
+}
+
 }  // namespace
 
 void settle(Plan& plan, const QueueRegistry& queues, const Machine& machine) {
   if (plan.queues.empty()) {
     for (const QueueEntry& queue : queues.entries()) plan.queues.emplace_back(queue.name);
+    plan.queues.emplace_back(baselines);
   }
+  plan.queues = with_baselines(plan.queues);
   for (const std::string& name : plan.queues) queues.at_or_counter(name);
   for (const std::string& name : plan.scenarios) scenario_at(name);
   for (const std::string& name : plan.placements) place(name, machine);
@@ -65,7 +91,8 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
     if (number % plan.shards != plan.shard) return;
     const Cast cast = chosen.cast(threads);
     for (const std::string& name : plan.queues) {
-      const std::string why = obstacle(cast, queues.at_or_counter(name).claims);
+      const Claims& claims = queues.at_or_counter(name).claims;
+      const std::string why = obstacle(*chosen.scenario, cast, claims);
       if (!why.empty()) {
         left_out.insert(fmt::format("{} does not play {}: {}", name, chosen.name(), why));
         continue;
@@ -77,7 +104,10 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
                           .work_ns = work,
                           .capacity = capacity,
                           .placement = place(policy, machine),
-                          .oversubscribed = cast.threads > machine.processors.size()});
+                          .oversubscribed = cast.threads > machine.processors.size(),
+                          .type_erased = type_erased(name),
+                          .not_countable = not_countable(name),
+                          .claims = claims_in_words(claims)});
     }
   };
   for (const std::string& name : plan.scenarios) {
@@ -101,7 +131,7 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
   return all;
 }
 
-Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, bool latency) {
+Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, Pass pass) {
   std::uint64_t seed = plan.seed + (std::uint64_t{row.cell} << 32) + repetition;
   return {.queue = row.queue,
           .scenario = row.scenario,
@@ -116,9 +146,16 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pa
           .seconds = plan.seconds,
           .warmup_seconds = plan.warmup,
           .patience_seconds = plan.patience,
-          .latency = latency,
+          .pass = pass,
           .seed = next_random(seed),
           .plugins = plan.plugins};
+}
+
+std::vector<Pass> passes_of(const Plan& plan, const Row& row, unsigned repetition) {
+  std::vector<Pass> passes{Pass::plain};
+  if (plan.latency) passes.push_back(Pass::stamped);
+  if (repetition == 0 && row.not_countable.empty()) passes.push_back(Pass::counted);
+  return passes;
 }
 
 std::vector<unsigned> order_of(const std::vector<Row>& rows, unsigned repetition,

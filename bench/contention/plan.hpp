@@ -16,7 +16,7 @@ namespace irt::contention {
 /// Every combination of the lists is measured, as far as a queue's claims allow. Stands at the head
 /// of the journal.
 struct Plan {
-  std::vector<std::string> queues;  ///< empty: all
+  std::vector<std::string> queues;  ///< empty: all, and what they are measured against
   std::vector<std::string> scenarios{"pairs"};
   std::vector<unsigned> threads;  ///< empty: 1, 2, 4 ... up to the processors, and twice as many
   std::vector<double> work{100};  ///< nanoseconds between operations
@@ -45,7 +45,14 @@ struct Row {
   std::size_t capacity = 0;
   Placement placement;
   bool oversubscribed = false;  ///< more threads than processors
+  bool type_erased = false;     ///< measured at a virtual call per operation
+  std::string not_countable;    ///< why no counting build is measured beside it; empty: one is
+  nlohmann::json claims;        ///< in words
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Cast, threads, producers, consumers)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Placement, processors, text)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Row, cell, queue, scenario, cast, work_ns, capacity, placement,
+                                   oversubscribed, type_erased, not_countable, claims)
 
 /// Fills what is left open and checks everything. Throws UsageError or RegistryError.
 void settle(Plan& plan, const QueueRegistry& queues, const Machine& machine);
@@ -61,7 +68,14 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
 
 /// What the process for a repetition of `row` is told. Each repetition has a seed of its own, the
 /// same for all queues of a cell.
-Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, bool latency);
+Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, Pass pass);
+
+/// The passes of a repetition of `row`, in their order. Counting takes place in the first one
+/// alone: its figures are shares of many operations, which hardly vary.
+std::vector<Pass> passes_of(const Plan& plan, const Row& row, unsigned repetition);
+
+/// The name that stands for `baseline_queues()` among those of queues.
+inline constexpr const char* baselines = "baselines";
 
 /// The lines by number in the order in which one repetition of the sweep measures them: cell by
 /// cell, and in each cell the queues in an order drawn anew for each repetition, so that none

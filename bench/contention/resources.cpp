@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fstream>
+#include <malloc.h>
 #include <string_view>
 #include <sys/resource.h>
 
@@ -29,6 +30,11 @@ std::uint64_t status_bytes(std::string_view key) {
   return 0;
 }
 
+std::uint64_t allocated_bytes() {
+  const struct mallinfo2 books = mallinfo2();
+  return books.uordblks + books.hblkhd;
+}
+
 }  // namespace
 
 Usage usage_so_far() {
@@ -38,14 +44,20 @@ Usage usage_so_far() {
           .context_switches = static_cast<std::uint64_t>(usage.ru_nvcsw + usage.ru_nivcsw)};
 }
 
-MemoryPeak::MemoryPeak() {
+MemoryUse::MemoryUse() {
   std::ofstream("/proc/self/clear_refs") << 5;
-  before_ = status_bytes("VmRSS:");
+  resident_before_ = status_bytes("VmRSS:");
+  allocated_before_ = allocated_bytes();
 }
 
-std::uint64_t MemoryPeak::bytes() const {
+std::uint64_t MemoryUse::peak_bytes() const {
   const std::uint64_t peak = status_bytes("VmHWM:");
-  return peak > before_ ? peak - before_ : 0;
+  return peak > resident_before_ ? peak - resident_before_ : 0;
+}
+
+std::uint64_t MemoryUse::held_bytes() const {
+  const std::uint64_t now = allocated_bytes();
+  return now > allocated_before_ ? now - allocated_before_ : 0;
 }
 
 EnergyMeter::EnergyMeter(const fs::path& root) {

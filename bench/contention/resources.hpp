@@ -16,16 +16,19 @@ struct Usage {
 };
 Usage usage_so_far();
 
-/// Watches how much memory of the process is resident.
-class MemoryPeak {
+/// Watches the memory of the process.
+class MemoryUse {
  public:
   /// From here on. Where the kernel lets a process forget its earlier peak, it is forgotten.
-  MemoryPeak();
-  /// The most above what was resident at construction.
-  std::uint64_t bytes() const;
+  MemoryUse();
+  /// The most that was resident, above what was at construction.
+  std::uint64_t peak_bytes() const;
+  /// What the C library's allocator has given out since construction and not got back, by its own
+  /// books (mallinfo2(3)). What a queue maps by itself is not in them.
+  std::uint64_t held_bytes() const;
 
  private:
-  std::uint64_t before_ = 0;
+  std::uint64_t resident_before_ = 0, allocated_before_ = 0;
 };
 
 /// The energy counters of the processor packages (RAPL), as the kernel shows them.

@@ -45,4 +45,22 @@ enum class Verdict { slower, no_difference, faster, too_few };
 Verdict judge(std::span<const double> a, std::span<const double> b);
 const char* words(Verdict verdict);
 
+/// The test by Wilcoxon (1945) of whether `differences` lie around zero, two-sided: their ranks by
+/// magnitude are added up with the sign. Exact where no two magnitudes are alike and there are at
+/// most `exact_limit`; else by the normal approximation with corrections for ties and continuity.
+/// Zeros are left out; p is 1 where nothing else is there.
+double signed_rank_p(std::span<const double> differences);
+
+/// What pairs of positive rates say, `b[i]` measured beside `a[i]`: whatever disturbed both alike
+/// cancels out, which makes smaller differences visible than `judge` can see.
+struct Paired {
+  double ratio = 1;  ///< of `b` over `a`: the median of all geometric means of two pairs' ratios
+                     ///< (Hodges and Lehmann 1963)
+  std::optional<Interval> interval;  ///< Tukey's: the ratios that the test would not reject
+  double p = 1;
+  Verdict verdict = Verdict::too_few;  ///< fewer than `fewest_pairs` can reach no verdict
+};
+Paired judge_pairs(std::span<const double> a, std::span<const double> b);
+inline constexpr std::size_t fewest_pairs = 6;  ///< of five, all on one side come once in 16 times
+
 }  // namespace irt::contention

@@ -3,6 +3,7 @@
 
 #include "bench/contention/job.hpp"
 #include "bench/contention/subject.hpp"
+#include "bench/contention/type_erased.hpp"
 
 namespace irt::contention {
 
@@ -49,7 +50,10 @@ class Nothing {
 SubjectMaker subject_maker(const QueueRegistry& queues, std::string_view name) {
   if (name == no_queue) return maker_of<Nothing>();
   if (const BuiltIn* built_in = find(name)) return built_in->maker();
-  const QueueEntry& entry = queues.at(name);
+  return type_erased_maker(queues.at(name));
+}
+
+SubjectMaker type_erased_maker(const QueueEntry& entry) {
   return [&entry](unsigned workers, std::size_t capacity, bool two) -> std::unique_ptr<Subject> {
     return std::make_unique<SubjectOf<AnyWorkQueue<std::uint64_t>>>(
         entry.make_word_queue(workers, capacity),

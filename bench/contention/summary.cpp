@@ -8,10 +8,8 @@
 #include <map>
 #include <optional>
 
-#include "bench/conditions/claims.hpp"
 #include "bench/contention/histogram.hpp"
 #include "bench/contention/statistics.hpp"
-#include "bench/contention/subject.hpp"
 
 namespace irt::contention {
 namespace {
@@ -21,7 +19,9 @@ using Json = nlohmann::ordered_json;
 /// All repetitions of one row.
 struct Group {
   std::vector<Sample> plain, stamped;  ///< those that are ok
+  std::vector<unsigned> rounds;        ///< the repetitions of `plain`
   const Sample* worst = nullptr;       ///< one that is not
+  const Sample* counted = nullptr;     ///< of the counting build, whatever became of it
 };
 
 Json or_null(std::optional<double> value) {
@@ -84,6 +84,29 @@ std::optional<double> joules(const std::vector<Sample>& samples) {
   return mean_of(samples, [](const Sample& s) { return s.energy_joules.get<double>(); });
 }
 
+/// What the counting build did for each operation that succeeded; null where there is none.
+Json events_of(const Sample* counted) {
+  if (counted == nullptr || counted->status != "ok" || counted->all_operations == 0) return nullptr;
+  const auto share = [counted](std::uint64_t events) {
+    return static_cast<double>(events) / static_cast<double>(counted->all_operations);
+  };
+  const AtomicEvents& events = counted->events;
+  return {{"operations_per_second", per_second(counted->operations(), *counted)},
+          {"retries_per_operation", share(events.failed_compare_exchanges)},
+          {"compare_exchanges_per_operation", share(events.compare_exchanges)},
+          {"other_modifications_per_operation", share(events.other_modifications)},
+          {"atomic_loads_per_operation", share(events.loads)},
+          {"atomic_stores_per_operation", share(events.stores)}};
+}
+
+/// Why a run has no figures of the counting build; null where it has.
+Json not_counted(const Row& row, const Group& group) {
+  if (!row.not_countable.empty()) return row.not_countable;
+  if (group.counted == nullptr) return "not yet measured";
+  if (group.counted->status == "ok") return nullptr;
+  return group.counted->status + ": " + group.counted->message;
+}
+
 std::string allocator() {
   std::string text = fmt::format("glibc {}", gnu_get_libc_version());
   if (const char* preloaded = std::getenv("LD_PRELOAD")) {
@@ -102,10 +125,14 @@ std::string bound_text(const Row& row, const Group& group) {
 }
 
 Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibration& calibration,
-            const QueueRegistry& queues, nlohmann::json conditions) {
+            nlohmann::json conditions) {
   const auto& samples = group.plain;
-  std::vector<double> rates;
-  for (const Sample& sample : samples) rates.push_back(per_second(sample.operations(), sample));
+  std::vector<double> rates, cpu_rates;
+  for (const Sample& sample : samples) {
+    rates.push_back(per_second(sample.operations(), sample));
+    const auto operations = static_cast<double>(sample.operations());
+    cpu_rates.push_back(sample.cpu_seconds > 0 ? operations / sample.cpu_seconds : 0);
+  }
   const auto interval = student_interval(rates);
   const auto rate = [&](std::uint64_t Sample::*count) {
     return or_null(mean_of(samples, [&](const Sample& s) { return per_second(s.*count, s); }));
@@ -114,6 +141,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
   const auto steady = std::ranges::count_if(samples, [](const Sample& s) { return s.steady; });
   const std::string placement = bound_text(row, group);
   conditions["pinning"] = placement;
+  const Json counted = events_of(group.counted);
   return {
       {"kind", "contention"},
       {"source", "measured"},
@@ -130,7 +158,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"capacity", row.capacity},
       {"placement", placement},
       {"processors", row.placement.processors},
-      {"interface", type_erased(row.queue) ? "type-erased" : "concrete type"},
+      {"interface", row.type_erased ? "type-erased" : "concrete type"},
       {"status", group.worst == nullptr ? "ok" : group.worst->status},
       {"message", group.worst == nullptr ? "" : group.worst->message},
       {"repetitions", samples.size()},
@@ -140,6 +168,9 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"operations_per_second_low", interval ? Json(interval->low) : Json()},
       {"operations_per_second_high", interval ? Json(interval->high) : Json()},
       {"samples", rates},
+      {"rounds", group.rounds},
+      {"operations_per_cpu_second", cpu_rates.empty() ? Json() : Json(mean(cpu_rates))},
+      {"samples_per_cpu_second", cpu_rates},
       {"failed_pops_per_second", rate(&Sample::failed_pops)},
       {"failed_pushes_per_second", rate(&Sample::failed_pushes)},
       {"held_back_per_second", rate(&Sample::held_back)},
@@ -148,13 +179,17 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"latency_ns", latency(group)},
       {"clock_ns", or_null(mean_of(group.stamped, [](const Sample& s) { return s.clock_ns; }))},
       {"harness_ns", calibration.harness_ns},
-      {"retries_per_operation", nullptr},  // of the counted build
+      {"retries_per_operation", counted.is_null() ? Json() : counted["retries_per_operation"]},
+      {"counted", counted},
+      {"not_counted", not_counted(row, group)},
       {"context_switches_per_second", rate(&Sample::context_switches)},
       {"memory_peak_bytes",
        mean_figure([](const Sample& s) { return static_cast<double>(s.memory_peak_bytes); })},
+      {"memory_held_bytes",
+       mean_figure([](const Sample& s) { return static_cast<double>(s.memory_held_bytes); })},
       {"energy_joules", or_null(joules(samples))},
       {"counters", counters(samples)},
-      {"claims", claims_in_words(queues.at_or_counter(row.queue).claims)},
+      {"claims", row.claims},
       {"allocator", allocator()},
       {"seed", plan.seed},
       {"conditions", std::move(conditions)},
@@ -165,23 +200,37 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
 
 nlohmann::ordered_json summarise(const Plan& plan, std::span<const Row> rows,
                                  std::span<const Result> results, const Calibration& calibration,
-                                 const QueueRegistry& queues, const nlohmann::json& conditions) {
+                                 const nlohmann::json& conditions) {
   std::vector<Group> groups(rows.size());
   for (const Result& result : results) {
     Group& group = groups.at(result.row);
-    if (result.sample.status != "ok") {
+    if (result.pass == Pass::counted) {
+      group.counted = &result.sample;
+    } else if (result.sample.status != "ok") {
       if (group.worst == nullptr) group.worst = &result.sample;
+    } else if (result.pass == Pass::stamped) {
+      group.stamped.push_back(result.sample);
     } else {
-      (result.latency ? group.stamped : group.plain).push_back(result.sample);
+      group.plain.push_back(result.sample);
+      group.rounds.push_back(result.repetition);
     }
   }
   Json runs = Json::array();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Group& group = groups[i];
     if (group.plain.empty() && group.worst == nullptr) continue;
-    runs.push_back(run_of(plan, rows[i], group, calibration, queues, conditions));
+    runs.push_back(run_of(plan, rows[i], group, calibration, conditions));
   }
   return runs;
+}
+
+nlohmann::ordered_json summarise_journal(const nlohmann::json& header,
+                                         std::span<const nlohmann::json> lines) {
+  std::vector<Result> results;
+  for (const nlohmann::json& line : lines) results.push_back(line.get<Result>());
+  const auto rows = header.at("rows").get<std::vector<Row>>();
+  return summarise(header.at("plan").get<Plan>(), rows, results,
+                   header.at("calibration").get<Calibration>(), header.at("conditions"));
 }
 
 namespace {
@@ -248,8 +297,8 @@ std::string aligned(const std::vector<Cells>& lines, std::size_t left_columns) {
 std::string table(const nlohmann::ordered_json& runs) {
   const bool stamped =
       std::ranges::any_of(runs, [](const Json& run) { return !run["latency_ns"].is_null(); });
-  Cells head{"scenario", "placement", "queue",    "threads",    "work ns", "Mops/s",
-             "+-95%",    "failed/s",  "fairness", "switches/s", "peak MB"};
+  Cells head{"scenario", "placement", "queue",    "threads",     "work ns",    "Mops/s",
+             "+-95%",    "failed/s",  "fairness", "lost CAS/op", "switches/s", "peak MB"};
   if (stamped) head.insert(head.end(), {"push p50/99/99.99 ns", "pop p50/99/99.99 ns"});
   head.emplace_back();
   std::vector<Cells> lines{head};
@@ -275,6 +324,7 @@ std::string table(const nlohmann::ordered_json& runs) {
                spread(run),
                number(failed, 1, 0),
                number(run["fairness"], 1, 2),
+               number(run["retries_per_operation"], 1, 4),
                number(run["context_switches_per_second"], 1, 0),
                number(run["memory_peak_bytes"], 1e-6, 1)};
     if (stamped) {

@@ -14,10 +14,10 @@ namespace irt::contention {
 struct Result {
   unsigned row = 0;
   unsigned repetition = 0;
-  bool latency = false;
+  Pass pass = Pass::plain;
   Sample sample;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Result, row, repetition, latency, sample)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Result, row, repetition, pass, sample)
 
 /// What was measured once for the whole sweep.
 struct Calibration {
@@ -29,7 +29,14 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Calibration, pace, harness_ns)
 /// One run for each row that has results. docs/contention.md says what each figure means.
 nlohmann::ordered_json summarise(const Plan& plan, std::span<const Row> rows,
                                  std::span<const Result> results, const Calibration& calibration,
-                                 const QueueRegistry& queues, const nlohmann::json& conditions);
+                                 const nlohmann::json& conditions);
+
+/// The same from a journal: its header ("plan", "rows", "calibration", "conditions") and its lines,
+/// a `Result` each. Throws nlohmann::json::exception where a field is missing or of another type,
+/// std::out_of_range where a result is of no row.
+nlohmann::ordered_json summarise_journal(const nlohmann::json& header,
+                                         std::span<const nlohmann::json> lines);
+inline constexpr const char* journal_format = "irt-contention 2";
 
 /// For people.
 std::string table(const nlohmann::ordered_json& runs);

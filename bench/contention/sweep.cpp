@@ -20,8 +20,6 @@
 namespace irt::contention {
 namespace {
 
-constexpr const char* format = "irt-contention 1";
-
 class Sweep {
  public:
   Sweep(const SweepOptions& options, QueueRegistry& queues, std::filesystem::path program)
@@ -32,9 +30,11 @@ class Sweep {
     plan_ = options_.plan;
     settle(plan_, queues_, machine_);
     if (options_.resume) go_on(file);
-    Rows settled = rows_of(plan_, queues_, machine_);
-    rows_ = std::move(settled.rows);
-    left_out_ = std::move(settled.left_out);
+    if (!journal_) {
+      Rows settled = rows_of(plan_, queues_, machine_);
+      rows_ = std::move(settled.rows);
+      left_out_ = std::move(settled.left_out);
+    }
     if (rows_.empty()) {
       throw UsageError(left_out_.empty()
                            ? "nothing to measure: this shard is empty, or --threads are too few "
@@ -57,7 +57,7 @@ class Sweep {
   // Takes plan and results from the journal. What the user set on the command line must be what it
   // says.
   void go_on(const std::filesystem::path& file) {
-    journal_ = JsonLines::resume(file, format, [this](const nlohmann::json& line) {
+    journal_ = JsonLines::resume(file, journal_format, [this](const nlohmann::json& line) {
       results_.push_back(line.get<Result>());
     });
     const auto stored = journal_->header().at("plan").get<Plan>();
@@ -86,6 +86,7 @@ class Sweep {
       if (!open) queues_.open(plugin);
     }
     plan_ = stored;
+    journal_->header().at("rows").get_to(rows_);
     journal_->header().at("calibration").get_to(calibration_);
   }
 
@@ -94,8 +95,9 @@ class Sweep {
     calibration_.pace = measure_pace();
     calibration_.harness_ns = harness_ns();
     if (cancel_) return;
-    journal_ = JsonLines::begin(file, {{"format", format},
+    journal_ = JsonLines::begin(file, {{"format", journal_format},
                                        {"plan", plan_},
+                                       {"rows", rows_},
                                        {"calibration", calibration_},
                                        {"conditions", conditions_}});
   }
@@ -120,9 +122,12 @@ class Sweep {
     return costs.empty() ? 0 : median(costs);
   }
 
-  unsigned passes() const { return plan_.latency ? 2 : 1; }
   unsigned total() const {
-    return static_cast<unsigned>(rows_.size()) * plan_.repetitions * passes();
+    std::size_t all = 0;
+    for (const Row& row : rows_) {
+      for (unsigned i = 0; i < plan_.repetitions; ++i) all += passes_of(plan_, row, i).size();
+    }
+    return static_cast<unsigned>(all);
   }
 
   void announce() const {
@@ -134,15 +139,15 @@ class Sweep {
                calibration_.harness_ns, calibration_.pace.step_ns);
   }
 
-  bool has(unsigned row, unsigned repetition, bool latency) const {
+  bool has(unsigned row, unsigned repetition, Pass pass) const {
     return std::ranges::any_of(results_, [&](const Result& result) {
-      return result.row == row && result.repetition == repetition && result.latency == latency;
+      return result.row == row && result.repetition == repetition && result.pass == pass;
     });
   }
   // A queue that hung once would cost its patience again and again.
   bool hopeless(unsigned row) const {
     return std::ranges::any_of(results_, [&](const Result& result) {
-      return result.row == row && result.sample.status == "hung";
+      return result.row == row && result.pass != Pass::counted && result.sample.status == "hung";
     });
   }
 
@@ -150,30 +155,30 @@ class Sweep {
     ProgressBar progress(total(), static_cast<unsigned>(results_.size()));
     for (unsigned repetition = 0; repetition < plan_.repetitions; ++repetition) {
       for (const unsigned i : order_of(rows_, repetition, plan_.seed)) {
-        for (const bool latency : {false, true}) {
+        const Row& row = rows_[i];
+        for (const Pass pass : passes_of(plan_, row, repetition)) {
           if (cancel_) return;
-          if ((latency && !plan_.latency) || has(i, repetition, latency)) continue;
-          const Row& row = rows_[i];
+          if (has(i, repetition, pass)) continue;
           progress.show(
               fmt::format("{}, {}, {} threads", row.scenario, row.queue, row.cast.threads));
-          if (!hopeless(i)) measure_one(i, repetition, latency);
+          if (!hopeless(i)) measure_one(i, repetition, pass);
           progress.step();
         }
       }
     }
   }
 
-  void measure_one(unsigned row, unsigned repetition, bool latency) {
-    Result result{.row = row, .repetition = repetition, .latency = latency, .sample = {}};
+  void measure_one(unsigned row, unsigned repetition, Pass pass) {
+    Result result{.row = row, .repetition = repetition, .pass = pass, .sample = {}};
     result.sample = measure_in_child(
-        program_, job_of(plan_, rows_[row], repetition, calibration_.pace, latency), cancel_);
+        program_, job_of(plan_, rows_[row], repetition, calibration_.pace, pass), cancel_);
     if (cancel_) return;
     journal_->add(result);
     results_.push_back(std::move(result));
   }
 
   int report() {
-    const auto runs = summarise(plan_, rows_, results_, calibration_, queues_, conditions_);
+    const auto runs = summarise(plan_, rows_, results_, calibration_, conditions_);
     fmt::print("{}\n", table(runs));
     std::set<std::string> missing;
     for (const Result& result : results_) {

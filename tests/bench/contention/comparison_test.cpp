@@ -39,6 +39,43 @@ TEST(Comparison, TwoQueuesOfOneSweep) {
   EXPECT_EQ(lines[0]["verdict"], "slower");
 }
 
+json round_of(const char* queue, const char* time, const std::vector<double>& samples,
+              const std::vector<unsigned>& rounds) {
+  json one = run(queue, 1, samples);
+  one["conditions"] = {{"time", time}};
+  one["seed"] = 1;
+  one["rounds"] = rounds;
+  return one;
+}
+
+TEST(Comparison, RoundsOfOneSweepArePairedAndThoseOfTwoAreNot) {
+  // Each is 2 % faster in its round, and the rounds differ by far more.
+  const std::vector<double> pace{10, 20, 30, 40, 50, 60, 70};
+  std::vector<double> faster;
+  for (const double one : pace) faster.push_back(one * 1.02 + one * one * 1e-6);
+  const std::vector<unsigned> all{0, 1, 2, 3, 4, 5, 6};
+  const json one_sweep{round_of("lock", "noon", pace, all), round_of("lfree", "noon", faster, all)};
+  const auto paired = compare_runs(one_sweep, one_sweep, {"lock", "lfree"})[0];
+  EXPECT_EQ(paired["test"], "signed-rank");
+  EXPECT_EQ(paired["pairs"], 7);
+  EXPECT_EQ(paired["verdict"], "faster");
+  EXPECT_NEAR(paired["ratio"].get<double>(), 1.02, 0.001);
+
+  const json another{round_of("lfree", "one o'clock", faster, all)};
+  const auto apart = compare_runs(one_sweep, another, {"lock", "lfree"})[0];
+  EXPECT_EQ(apart["test"], "mann-whitney");
+  EXPECT_EQ(apart["verdict"], "no difference");
+
+  // A round that one of them failed in has no pair; the others keep theirs.
+  std::vector<double> without = faster;
+  without.erase(without.begin() + 2);
+  const json gap{round_of("lock", "noon", pace, all),
+                 round_of("lfree", "noon", without, {0, 1, 3, 4, 5, 6})};
+  const auto six = compare_runs(gap, gap, {"lock", "lfree"})[0];
+  EXPECT_EQ(six["pairs"], 6);
+  EXPECT_EQ(six["verdict"], "faster");
+}
+
 TEST(Comparison, WithoutFiguresThereIsNoVerdict) {
   const json hung{run("lock", 1, {})}, few{run("lock", 1, {1, 2})}, many{run("lock", 1, low)};
   EXPECT_EQ(compare_runs(hung, many, {})[0]["verdict"], "too few repetitions");

@@ -177,7 +177,7 @@ TEST(Pitfalls, TheLoopCostsLessThanAReadingOfTheClock) {
 
 TEST(Latency, IsThatOfEachOperationOfItsOwn) {
   Job job = job_for("pairs", 2);
-  job.latency = true;
+  job.pass = Pass::stamped;
   const Sample sample = measure_metronome(
       job, {{.each = milliseconds(3), .first = {}}, {.each = milliseconds(3), .first = {}}});
   Histogram pops;
@@ -246,9 +246,24 @@ TEST(Resources, AnEnergyCounterThatWrapsAround) {
   meter.start();
   write("intel-rapl:0/energy_uj", 1'000'000);
   EXPECT_DOUBLE_EQ(meter.joules().value(), 2);
+  write("intel-rapl:0/energy_uj", 1'500'000);
+  write("intel-rapl:1/energy_uj", 250'000);  // of a package that came later: not ours
+  EXPECT_DOUBLE_EQ(meter.joules().value(), 2.5);
+  EXPECT_EQ(meter.missing(), "");
   std::filesystem::remove_all(root);
-  EXPECT_NE(EnergyMeter("/no/such/place").missing(), "");
+}
+
+TEST(Resources, WhyThereIsNoEnergyIsSaid) {
+  EXPECT_NE(EnergyMeter("/no/such/place").missing().find("no RAPL counters"), std::string::npos);
   EXPECT_FALSE(EnergyMeter("/no/such/place").joules());
+  // A package whose counter cannot be read, as by users that are not root.
+  const std::filesystem::path root =
+      std::filesystem::path(testing::TempDir()) / ("irt-shut-" + std::to_string(getpid()));
+  std::filesystem::create_directories(root / "intel-rapl:0/energy_uj");
+  const EnergyMeter meter(root);
+  EXPECT_NE(meter.missing().find("not readable by this user"), std::string::npos);
+  EXPECT_FALSE(meter.joules());
+  std::filesystem::remove_all(root);
 }
 
 TEST(Resources, HardwareCountersCountOrSayWhyNot) {
@@ -263,12 +278,24 @@ TEST(Resources, HardwareCountersCountOrSayWhyNot) {
 }
 
 TEST(Resources, MemoryThatAQueueTakesIsSeen) {
-  const MemoryPeak peak;
+  const MemoryUse use;
   {
     const std::vector<char> block(64U << 20U, 'x');
-    EXPECT_GE(peak.bytes(), 60U << 20U);
+    EXPECT_GE(use.peak_bytes(), 60U << 20U);
+    EXPECT_GE(use.held_bytes(), 64U << 20U);
   }
-  EXPECT_GE(peak.bytes(), 60U << 20U);  // a peak stays
+  EXPECT_GE(use.peak_bytes(), 60U << 20U);  // a peak stays
+  EXPECT_LT(use.held_bytes(), 1U << 20U);
+}
+
+TEST(Resources, BlocksOfThreadsThatEndedAreStillHeld) {
+  const MemoryUse use;
+  std::vector<std::unique_ptr<char[]>> blocks(1000);
+  std::thread([&blocks] {
+    for (auto& block : blocks) block = std::make_unique<char[]>(1000);
+  }).join();
+  EXPECT_GE(use.held_bytes(), 1'000'000U);
+  EXPECT_LT(use.held_bytes(), 2'000'000U);
 }
 
 }  // namespace

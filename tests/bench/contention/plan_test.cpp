@@ -93,6 +93,37 @@ TEST(Scenarios, OnlyWhatTheClaimsAllow) {
   EXPECT_EQ(obstacle(scenario_at("8x8").cast(2), Claims{}), "");
 }
 
+TEST(Plan, BaselinesAreThereByDefaultAndByTheirName) {
+  const QueueRegistry queues;
+  Plan all;
+  settle(all, queues, machine());
+  Plan two;
+  two.queues = {"lock", "baselines"};
+  settle(two, queues, machine());
+  EXPECT_EQ(std::set<std::string>(two.queues.begin(), two.queues.end()),
+            (std::set<std::string>{"lock", "faa", "cas", "delay", "mutex"}));
+  for (const std::string& name : two.queues) {
+    EXPECT_EQ(std::ranges::count(all.queues, name), 1) << name;
+  }
+  two.scenarios = {"renderer"};
+  const Rows rows = rows_of(two, queues, machine());
+  EXPECT_EQ(rows.left_out.size(), 3U);
+  for (const Row& row : rows.rows) {
+    EXPECT_TRUE(row.queue == "lock" || row.queue == "mutex") << row.queue;
+    EXPECT_TRUE(row.claims.is_object());
+  }
+}
+
+TEST(Plan, CountingIsAPassOfTheFirstRepetitionWhereAQueueCanCount) {
+  Plan plan;
+  plan.latency = true;
+  Row row;
+  EXPECT_EQ(passes_of(plan, row, 0), (std::vector{Pass::plain, Pass::stamped, Pass::counted}));
+  EXPECT_EQ(passes_of(plan, row, 1), (std::vector{Pass::plain, Pass::stamped}));
+  row.not_countable = "a reason";
+  EXPECT_EQ(passes_of(plan, row, 0), (std::vector{Pass::plain, Pass::stamped}));
+}
+
 Plan plan_of_many() {
   Plan plan;
   plan.queues = {"lock", "local", "mutex"};
@@ -169,8 +200,10 @@ TEST(Plan, RepetitionsHaveSeedsOfTheirOwnThatQueuesShare) {
   lock.cell = mutex.cell = 3;
   lock.queue = "lock";
   mutex.queue = "mutex";
-  EXPECT_EQ(job_of(plan, lock, 1, {}, false).seed, job_of(plan, mutex, 1, {}, false).seed);
-  EXPECT_NE(job_of(plan, lock, 1, {}, false).seed, job_of(plan, lock, 2, {}, false).seed);
+  EXPECT_EQ(job_of(plan, lock, 1, {}, Pass::plain).seed,
+            job_of(plan, mutex, 1, {}, Pass::plain).seed);
+  EXPECT_NE(job_of(plan, lock, 1, {}, Pass::plain).seed,
+            job_of(plan, lock, 2, {}, Pass::plain).seed);
 }
 
 TEST(Plan, ACapacityBelowTheThreadsIsRefused) {

@@ -132,5 +132,93 @@ TEST(Ratio, TheIntervalHoldsTheTruthAndAgreesWithTheVerdict) {
   EXPECT_EQ(agree, comparisons);
 }
 
+TEST(SignedRank, SmallSetsByCountingByHand) {
+  // Of 64 ways to sign six ranks, one has all of them negative; two-sided, one more.
+  EXPECT_DOUBLE_EQ(signed_rank_p(Values{1, 2, 3, 4, 5, 6}), 2.0 / 64);
+  EXPECT_DOUBLE_EQ(signed_rank_p(Values{-1, -2, -3, -4, -5, -6}), 2.0 / 64);
+  // Negative ranks add up to 3: {}, {1}, {2}, {3}, {1, 2} are as far out.
+  EXPECT_DOUBLE_EQ(signed_rank_p(Values{-1, -2, 3, 4, 5, 6}), 10.0 / 64);
+  EXPECT_DOUBLE_EQ(signed_rank_p(Values{1, 2, 3, 4, 5, 6, 0}), 2.0 / 64);
+  EXPECT_DOUBLE_EQ(signed_rank_p(Values{0, 0}), 1);
+  EXPECT_DOUBLE_EQ(signed_rank_p(Values{}), 1);
+}
+
+TEST(SignedRank, TiesByTheNormalApproximation) {
+  // Ranks 1.5, 1.5, 3, 4; W = 8.5 of 10; variance (4 5 9 - 6/2) / 24.
+  const double z = (8.5 - 5 - 0.5) / std::sqrt((180 - 3.0) / 24);
+  EXPECT_NEAR(signed_rank_p(Values{-1, 1, 2, 3}), std::erfc(z / std::sqrt(2.0)), 1e-12);
+}
+
+TEST(Pairs, RatioAndItsInterval) {
+  const Paired twice = judge_pairs(Values{1, 2, 3, 4, 5, 6}, Values{2, 4.4, 6.06, 8.4, 9.5, 11.76});
+  // Six pairs: P(W <= 0) = 1/64, so the interval goes from the least ratio to the largest.
+  EXPECT_DOUBLE_EQ(twice.interval->low, 1.9);
+  EXPECT_DOUBLE_EQ(twice.interval->high, 2.2);
+  EXPECT_NEAR(twice.ratio, 2.01, 0.03);
+  EXPECT_EQ(twice.verdict, Verdict::faster);
+  EXPECT_EQ(judge_pairs(Values{1, 2, 3, 4, 5}, Values{2, 4, 6, 8, 10}).verdict, Verdict::too_few);
+  EXPECT_EQ(judge_pairs(Values{}, Values{}).verdict, Verdict::too_few);
+}
+
+/// Rounds on a machine whose pace drifts, by far more than queues differ.
+struct Drifting {
+  explicit Drifting(std::uint64_t seed) : random(seed) {}
+
+  void rounds(std::size_t count, double factor, Values& a, Values& b) {
+    std::normal_distribution<double> drift(0, 0.2), own(0, 0.04);
+    a.clear();
+    b.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      const double pace = std::exp(drift(random));
+      a.push_back(pace * std::exp(own(random)));
+      b.push_back(pace * std::exp(own(random)) * factor);
+    }
+  }
+  std::mt19937_64 random;
+};
+
+TEST(Pairs, EqualsAreCalledEqualNineteenTimesInTwenty) {
+  Drifting machine(6);
+  int different = 0;
+  constexpr int comparisons = 2000;
+  Values a, b;
+  for (int i = 0; i < comparisons; ++i) {
+    machine.rounds(10, 1, a, b);
+    different += judge_pairs(a, b).verdict == Verdict::no_difference ? 0 : 1;
+  }
+  EXPECT_LE(different, comparisons * (0.05 + 0.015));
+  EXPECT_GE(different, comparisons * 0.03);
+}
+
+TEST(Pairs, FivePerCentAreFoundWhereTheMachineDriftsByTwenty) {
+  Drifting machine(7);
+  int paired = 0, unpaired = 0;
+  constexpr int comparisons = 300;
+  Values a, b;
+  for (int i = 0; i < comparisons; ++i) {
+    machine.rounds(30, 0.95, a, b);
+    paired += judge_pairs(a, b).verdict == Verdict::slower ? 1 : 0;
+    unpaired += judge(a, b) == Verdict::slower ? 1 : 0;
+  }
+  EXPECT_GE(paired, comparisons * 0.95);
+  EXPECT_LE(unpaired, comparisons * 0.4);
+}
+
+TEST(Pairs, TheIntervalHoldsTheTruthAndAgreesWithTheVerdict) {
+  Drifting machine(8);
+  int holds = 0, agree = 0;
+  constexpr int comparisons = 1000;
+  Values a, b;
+  for (int i = 0; i < comparisons; ++i) {
+    machine.rounds(12, 1.03, a, b);
+    const Paired found = judge_pairs(a, b);
+    holds += found.interval->low <= 1.03 && 1.03 <= found.interval->high ? 1 : 0;
+    const bool excludes_one = found.interval->low > 1 || found.interval->high < 1;
+    agree += excludes_one == (found.verdict != Verdict::no_difference) ? 1 : 0;
+  }
+  EXPECT_GE(holds, comparisons * 0.93);
+  EXPECT_EQ(agree, comparisons);
+}
+
 }  // namespace
 }  // namespace irt::contention

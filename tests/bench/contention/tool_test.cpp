@@ -124,6 +124,15 @@ TEST_F(Sweep, WritesEveryFigureThatItPromises) {
   }
   EXPECT_EQ(run["status"], "ok");
   EXPECT_EQ(run["samples"].size(), 3U);
+  EXPECT_EQ(run["rounds"], (json{0, 1, 2}));
+  // Two locks, no compare-and-swap; each operation takes and gives back a lock.
+  EXPECT_TRUE(run["not_counted"].is_null()) << run["not_counted"];
+  EXPECT_TRUE(run["counted"].is_object());
+  EXPECT_EQ(run["retries_per_operation"], run["counted"]["retries_per_operation"]);
+  EXPECT_GT(run["counted"]["operations_per_second"].get<double>(), 0);
+  const json other = runs()[1];  // of a library
+  EXPECT_TRUE(other["retries_per_operation"].is_null());
+  EXPECT_TRUE(other["not_counted"].is_string());
   EXPECT_LE(run["operations_per_second_low"], run["operations_per_second"]);
   EXPECT_LE(run["operations_per_second"], run["operations_per_second_high"]);
   for (const char* method : {"push", "pop"}) {
@@ -169,6 +178,8 @@ TEST_F(Sweep, QueuesThatMisbehaveAreMarkedAndTheSweepGoesOn) {
 TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
   const Arguments plan =
       with(quick, {"--queue", "lock,mutex", "--threads", "1,2", "--repetitions", "4"});
+  // The header, two queues with two numbers of threads four times, and each once more to count.
+  constexpr std::size_t every_line = 1 + 2 * 2 * 4 + 2 * 2;
   RunningTool tool(IRT_CONTENTION, plan);
   for (int i = 0; i < 3000 && (!std::filesystem::exists(out / "contention.jsonl") || lines() < 4);
        ++i) {
@@ -179,7 +190,7 @@ TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
   EXPECT_NE(tool.err().find("--resume"), std::string::npos) << tool.err();
   const std::size_t before = lines();
   EXPECT_GE(before, 4U);
-  EXPECT_LT(before, 1U + 2 * 2 * 4);
+  EXPECT_LT(before, every_line);
   EXPECT_FALSE(runs().empty());
 
   RunningTool other(IRT_CONTENTION, {"contention", "--resume", "--out", out, "--threads", "1,4"});
@@ -188,9 +199,29 @@ TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
 
   RunningTool rest(IRT_CONTENTION, {"contention", "--resume", "--out", out});
   EXPECT_EQ(rest.wait(), 0) << rest.err();
-  EXPECT_EQ(lines(), 1U + 2 * 2 * 4);
+  EXPECT_EQ(lines(), every_line);
   ASSERT_EQ(runs().size(), 4U);
   for (const json& run : runs()) EXPECT_EQ(run["repetitions"], 4);
+}
+
+TEST_F(Sweep, RetriesAreThoseOfTheCountingBuild) {
+  RunningTool tool(IRT_CONTENTION, with(quick, {"--queue", "lfree,faa", "--threads", "1,2",
+                                                "--repetitions", "1", "--work", "0"}));
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  for (const json& run : runs()) {
+    SCOPED_TRACE(run["queue"].dump() + run["threads"].dump());
+    const json counted = run["counted"];
+    ASSERT_TRUE(counted.is_object()) << run["not_counted"];
+    if (run["queue"] == "faa") {
+      EXPECT_EQ(counted["compare_exchanges_per_operation"], 0);
+      // A thread alone never finds the counter empty.
+      if (run["threads"] == 1) EXPECT_EQ(counted["other_modifications_per_operation"], 1);
+    } else if (run["threads"] == 1) {
+      EXPECT_EQ(run["retries_per_operation"], 0);
+      // Michael and Scott: two for a push, one for a pop; a reader's slots aside.
+      EXPECT_NEAR(counted["compare_exchanges_per_operation"].get<double>(), 1.5, 0.01);
+    }
+  }
 }
 
 TEST_F(Sweep, OversubscriptionIsACaseOfItsOwn) {

@@ -1,0 +1,25 @@
+#include "bench/contention/counting.hpp"
+
+#include <algorithm>
+
+#include "bench/contention/type_erased.hpp"
+#include "bench/counted/counted_queue.hpp"
+
+namespace irt::contention {
+
+std::string not_countable(std::string_view name) {
+  const std::vector<std::string> names = counted_queues();
+  if (std::ranges::find(names, name) != names.end()) return {};
+  return type_erased(name) ? "a plug-in is compiled already"
+                           : "its atomic operations are compiled code or inline assembly";
+}
+
+SubjectMaker counting_subject_maker(std::string_view name) {
+  return type_erased_maker(*counted_queue(name));
+}
+
+AtomicEvents events_of_this_thread() {
+  return atomic_events();
+}
+
+}  // namespace irt::contention
