@@ -118,6 +118,12 @@ IRT_ATOMIC(16)
 IRT_ATOMIC(32)
 IRT_ATOMIC(64)
 
+#if defined(__x86_64__)
+// What the instruction `pause` has become in these objects (stress/virtual_cores/pause.hpp).
+asm(".pushsection .text\n.globl irt_vc_cpu_pause\n.type irt_vc_cpu_pause, @function\n"
+    "irt_vc_cpu_pause:\npause\nret\n.popsection");
+#endif
+
 // 16 bytes: what the processor has is the compare-and-swap alone.
 __extension__ using u128 = unsigned __int128;
 

@@ -129,10 +129,9 @@ TEST_F(Sweep, WritesEveryFigureThatItPromises) {
   EXPECT_TRUE(run["not_counted"].is_null()) << run["not_counted"];
   EXPECT_TRUE(run["counted"].is_object());
   EXPECT_EQ(run["retries_per_operation"], run["counted"]["retries_per_operation"]);
-  EXPECT_GT(run["counted"]["operations_per_second"].get<double>(), 0);
-  const json other = runs()[1];  // of a library
-  EXPECT_TRUE(other["retries_per_operation"].is_null());
-  EXPECT_TRUE(other["not_counted"].is_string());
+  for (const json& one : runs()) {
+    EXPECT_EQ(one["retries_per_operation"].is_null(), one["not_counted"].is_string());
+  }
   EXPECT_LE(run["operations_per_second_low"], run["operations_per_second"]);
   EXPECT_LE(run["operations_per_second"], run["operations_per_second_high"]);
   for (const char* method : {"push", "pop"}) {
@@ -215,7 +214,9 @@ TEST_F(Sweep, RetriesAreThoseOfTheCountingBuild) {
     if (run["queue"] == "faa") {
       EXPECT_EQ(counted["compare_exchanges_per_operation"], 0);
       // A thread alone never finds the counter empty.
-      if (run["threads"] == 1) EXPECT_EQ(counted["other_modifications_per_operation"], 1);
+      if (run["threads"] == 1) {
+        EXPECT_EQ(counted["other_modifications_per_operation"], 1);
+      }
     } else if (run["threads"] == 1) {
       EXPECT_EQ(run["retries_per_operation"], 0);
       // Michael and Scott: two for a push, one for a pop; a reader's slots aside.
