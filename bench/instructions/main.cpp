@@ -102,6 +102,7 @@ std::vector<Function> profile(const std::string& queue, const Options& options) 
                                  "--operations",
                                  std::to_string(options.operations)};
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child = 0;

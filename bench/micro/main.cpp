@@ -2,6 +2,8 @@
 // are Google Benchmark's own, so its compare.py reads the results; the conditions of the run stand
 // in the context of its JSON.
 #include <benchmark/benchmark.h>
+#include <cstdio>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -49,5 +51,10 @@ int run(std::vector<char*> arguments) {
 }  // namespace irt::micro
 
 int main(int argc, char** argv) {
-  return irt::micro::run({argv, argv + argc});
+  try {
+    return irt::micro::run({argv, argv + argc});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "irt: %s\n", error.what());
+  }
+  return 2;
 }

@@ -259,6 +259,7 @@ Contestants embree_contestants(const Mesh& mesh, std::span<const std::string> wa
 
 std::vector<std::string> embree_names() {
   std::vector<std::string> names;
+  names.reserve(std::size(ways));
   for (const Way& way : ways) names.emplace_back(way.name);
   return names;
 }

@@ -162,10 +162,12 @@ void print_rows(const Contestants& contestants, const std::vector<Row>& rows,
   std::string line;
   for (int kind = 0; kind < 3; ++kind) {
     std::vector<std::vector<double>> rounds;
+    rounds.reserve(rows.size());
     for (const Row& row : rows) rounds.push_back(row.kind[kind].rounds_ms());
     add_ratio(line, name_of(static_cast<RayKind>(kind)), contestants, rounds);
   }
   std::vector<std::vector<double>> frames;
+  frames.reserve(rows.size());
   for (const Row& row : rows) frames.push_back(row.frame_ms);
   add_ratio(line, "frame", contestants, frames);
   if (!line.empty()) fmt::print("  time of the best of Embree : the best of ours{}\n", line);

@@ -42,6 +42,9 @@
 namespace irt {
 namespace libcds {
 
+// What the library throws at an end nobody could catch, so that it may as well end the process.
+// NOLINTBEGIN(bugprone-exception-escape)
+
 /// The library must be started once, and know each thread that reads nodes.
 inline void attach_thread() {
   struct Library {
@@ -68,6 +71,7 @@ class Adapter {
   Adapter(const Adapter&) = delete;
   Adapter& operator=(const Adapter&) = delete;
   ~Adapter() { attach_thread(); }
+  // NOLINTEND(bugprone-exception-escape)
 
   /// Adds `task`. Always true.
   bool push(unsigned /*worker*/, T task) {

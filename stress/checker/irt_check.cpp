@@ -84,7 +84,8 @@ int merge(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     std::ifstream in(file);
     const json part = json::parse(in, nullptr, false);
-    if (!in.good() && part.is_discarded()) usage_error("cannot read \"" + file + "\" as JSON");
+    if (part.is_discarded() || !part.is_object() || !part.contains("shapes"))
+      usage_error("--merge \"" + file + "\": it is not what a run with --shard and --json wrote");
     for (const json& shape : part.at("shapes")) {
       json& sum = sums[{shape.at("shape"), shape.at("search")}];
       if (sum.is_null()) {
@@ -212,9 +213,7 @@ int run(const CommandLine& line) {
   return result.found ? 1 : 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CommandLine line;
   checker::CheckSettings& settings = line.settings;
   CLI::App app{
@@ -288,11 +287,18 @@ int main(int argc, char** argv) {
   if (!line.mutants && line.queue.empty() && line.module.empty())
     usage_error(
         fmt::format("which queue? --queue takes one of {}", fmt::join(queue_names(), ", ")));
+  if (line.mutants) return run_mutants(line);
+  prepare(line);
+  return run(line);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    if (line.mutants) return run_mutants(line);
-    prepare(line);
-    return run(line);
+    return run(argc, argv);
   } catch (const std::exception& error) {
-    usage_error(error.what());
+    std::fprintf(stderr, "irt check: %s\n", error.what());
   }
+  return 2;
 }
