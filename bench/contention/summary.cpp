@@ -33,6 +33,7 @@ template <class Figure>
 std::optional<double> mean_of(const std::vector<Sample>& samples, Figure figure) {
   if (samples.empty()) return std::nullopt;
   std::vector<double> values;
+  values.reserve(samples.size());
   for (const Sample& sample : samples) values.push_back(figure(sample));
   return mean(values);
 }
@@ -128,6 +129,8 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
             nlohmann::json conditions) {
   const auto& samples = group.plain;
   std::vector<double> rates, cpu_rates;
+  rates.reserve(samples.size());
+  cpu_rates.reserve(samples.size());
   for (const Sample& sample : samples) {
     rates.push_back(per_second(sample.operations(), sample));
     const auto operations = static_cast<double>(sample.operations());

@@ -96,6 +96,7 @@ void run_in_children(std::size_t count, unsigned parallel, double seconds,
     while (next < count && children.size() < parallel)
       children.push_back(start(job, next++, seconds));
     std::vector<pollfd> pipes;
+    pipes.reserve(children.size());
     for (const Child& child : children) pipes.push_back({child.pipe, POLLIN, 0});
     poll(pipes.data(), pipes.size(), 200);
     for (std::size_t i = children.size(); i-- > 0;) {

@@ -12,7 +12,15 @@ struct Contended {
   void (*step)(void* object, unsigned thread);
 };
 
+/// All of them, by the module's `irt_contended`.
+inline std::span<const Contended> all_contended(
+    void (*irt_contended)(std::span<const Contended>&)) {
+  std::span<const Contended> all;
+  irt_contended(all);
+  return all;
+}
+
 }  // namespace irt::many_core
 
-/// All of them, from the module.
-extern "C" std::span<const irt::many_core::Contended> irt_contended();
+/// Sets `all` to all of them, in the module.
+extern "C" void irt_contended(std::span<const irt::many_core::Contended>& all);

@@ -118,6 +118,6 @@ constexpr std::array all{
 }  // namespace
 }  // namespace irt::many_core
 
-std::span<const irt::many_core::Contended> irt_contended() {
-  return irt::many_core::all;
+void irt_contended(std::span<const irt::many_core::Contended>& all) {
+  all = irt::many_core::all;
 }

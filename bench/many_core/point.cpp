@@ -81,7 +81,8 @@ class Run {
  private:
   void make() {
     if (point_.scenario == Scenario::primitive) {
-      for (const Contended& each : module_.function<decltype(irt_contended)>("irt_contended")())
+      for (const Contended& each :
+           all_contended(module_.function<decltype(irt_contended)>("irt_contended")))
         if (each.name == point_.subject) primitive_ = &each;
       object_ = primitive_->make(point_.threads);
       return;

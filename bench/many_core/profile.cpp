@@ -33,7 +33,7 @@ double& transfer(Profile& profile) {
   return profile.transfer[static_cast<std::size_t>(level)];
 }
 
-#define IRT_MEMBER(name) [](Profile& p) -> double& { return p.name; }
+#define IRT_MEMBER(name) ([](Profile& p) -> double& { return p.name; })
 
 constexpr std::array rows{
     Row{{"clock_ghz", "clock of a busy core, GHz", 0.1, 20, IRT_MEMBER(clock_ghz)}, no_default, {}},

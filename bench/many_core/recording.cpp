@@ -142,6 +142,7 @@ T quantile_of(std::vector<T>& values, std::size_t numerator, std::size_t denomin
 template <class Of>
 auto median(const std::vector<Recording>& frames, Of of) {
   std::vector<decltype(of(frames.front()))> values;
+  values.reserve(frames.size());
   for (const Recording& frame : frames) values.push_back(of(frame));
   return quantile_of(values, 1, 2);
 }
@@ -174,6 +175,7 @@ Recording record(const Workload& workload, unsigned repetitions, const std::atom
   result.generate_ns = median(frames, [](const Recording& f) { return f.generate_ns; });
   result.output_ns = median(frames, [](const Recording& f) { return f.output_ns; });
   std::vector<double> whole;
+  whole.reserve(frames.size());
   for (const Recording& frame : frames) whole.push_back(frame.work_ns());
   const double lower = quantile_of(whole, 1, 4), upper = quantile_of(whole, 3, 4);
   result.spread = (upper - lower) / quantile_of(whole, 1, 2);

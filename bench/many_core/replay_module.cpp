@@ -146,8 +146,8 @@ class Replay {
   std::vector<Worker> workers_;
   std::unique_ptr<FrameBuffer> buffer_;
   std::barrier<> barrier_;
+  // Last, so that nothing else shares its lines: the object is padded to its alignment.
   alignas(128) std::atomic<std::int64_t> outstanding_{0};
-  alignas(128) std::byte end_{};  // nothing else shares the count's lines
 };
 
 }  // namespace

@@ -81,7 +81,8 @@ std::vector<std::string> queue_names() {
 std::vector<std::pair<std::string, std::string>> primitives() {
   const virtual_cores::Module module(primitives_module());
   std::vector<std::pair<std::string, std::string>> all;
-  for (const Contended& each : module.function<decltype(irt_contended)>("irt_contended")())
+  for (const Contended& each :
+       all_contended(module.function<decltype(irt_contended)>("irt_contended")))
     all.emplace_back(each.name, each.summary);
   return all;
 }
@@ -120,7 +121,7 @@ std::vector<unsigned> parse_cores(std::string_view text) {
     }
   }
   std::ranges::sort(counts);
-  counts.erase(std::ranges::unique(counts).begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
   return counts;
 }
 

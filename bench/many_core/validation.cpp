@@ -167,6 +167,7 @@ int validate(const SweepOptions& options, const std::atomic<bool>& interrupted) 
                    row["operations_per_second"], 0});
   }
   std::vector<Task> tasks;
+  tasks.reserve(all.size());
   for (const Published& each : all) tasks.push_back(each.task);
   const bool complete =
       simulate_all(tasks, options, {}, interrupted, [&](std::size_t i, const Json& run) {

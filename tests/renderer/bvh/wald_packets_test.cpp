@@ -36,7 +36,8 @@ TEST(WaldPackets, CoherentRaysOfOneOctant) {
   const Mesh mesh = sphere(24, 32);
   Rays rays(40 * 40);
   for (int i = 0; i < 1600; ++i) {
-    const auto x = static_cast<float>(i % 40) * 0.05f, y = static_cast<float>(i / 40) * 0.05f;
+    const int row = i / 40, column = i % 40;
+    const auto x = static_cast<float>(column) * 0.05f, y = static_cast<float>(row) * 0.05f;
     rays.add({{-3, -3, -3}, {2 + x, 2 + y, 3}}, {1, 1, 1}, 0);
   }
   EXPECT_GE(expect_every_way_agrees(mesh, rays), 2);

@@ -43,8 +43,9 @@ Rays pinhole(Vec3 eye, Vec3 target, float opening, std::uint32_t side) {
   Rays rays(side * side);
   for (std::uint32_t i = 0; i < side * side; ++i) {
     const std::uint32_t tile = i / 16, in = i % 16, across = side / 4;
-    const auto x = static_cast<float>(tile % across * 4 + in % 4) / static_cast<float>(side);
-    const auto y = static_cast<float>(tile / across * 4 + in / 4) / static_cast<float>(side);
+    const std::uint32_t column = tile % across * 4 + in % 4, row = tile / across * 4 + in / 4;
+    const auto x = static_cast<float>(column) / static_cast<float>(side);
+    const auto y = static_cast<float>(row) / static_cast<float>(side);
     rays.add({eye, ahead + right * (x - 0.5f) + above * (y - 0.5f)}, {1, 1, 1}, i);
   }
   return rays;
