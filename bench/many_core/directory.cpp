@@ -1,27 +1,8 @@
 #include "bench/many_core/directory.hpp"
 
 #include <algorithm>
-#include <bit>
 
 namespace irt::many_core {
-
-unsigned CoreSet::lowest(unsigned except) const {
-  for (unsigned i = 0; i < words_.size(); ++i) {
-    std::uint64_t word = words_[i];
-    if (except / 64 == i) word &= ~(std::uint64_t{1} << except % 64);
-    if (word != 0) return 64 * i + static_cast<unsigned>(std::countr_zero(word));
-  }
-  return nobody;
-}
-
-unsigned CoreSet::highest(unsigned except) const {
-  for (unsigned i = static_cast<unsigned>(words_.size()); i-- > 0;) {
-    std::uint64_t word = words_[i];
-    if (except / 64 == i) word &= ~(std::uint64_t{1} << except % 64);
-    if (word != 0) return 64 * i + static_cast<unsigned>(std::bit_width(word)) - 1;
-  }
-  return nobody;
-}
 
 Directory::Directory(const Profile& p, EventQueue& events, std::uint64_t seed)
     : topology_(p),
@@ -35,7 +16,7 @@ Directory::Directory(const Profile& p, EventQueue& events, std::uint64_t seed)
       store_(picoseconds(p.store_hit)),
       bypass_(static_cast<unsigned>(std::lround(p.bypass))),
       bus_free_(p.sockets),
-      random_(seed * 2 + 1),
+      random_(seed),
       slots_(std::size_t{1} << 12U),
       shift_(64 - 12) {
   const auto parts = [&p](double ns) {
@@ -78,12 +59,9 @@ void Directory::grow() {
   }
 }
 
-// Uniform within a tenth of `time`. The generator is Marsaglia's xorshift (2003).
+// Uniform within a tenth of `time`.
 Time Directory::vary(Time time) {
-  random_ ^= random_ << 13U;
-  random_ ^= random_ >> 7U;
-  random_ ^= random_ << 17U;
-  return time + time * (static_cast<Time>(random_ & 2047U) - 1024) / 10240;
+  return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) / 10240;
 }
 
 const Directory::Way& Directory::way(unsigned from, unsigned to, unsigned home, bool clean) const {
@@ -98,36 +76,16 @@ const Directory::Way& Directory::way_to(const Line& line, unsigned core) const {
   return line.last == nobody ? from_memory_ : way(line.last, core, line.home, true);
 }
 
-Time Directory::earliest(const Line& line) {
-  Time time = never;
-  for (const Waiting& waiting : *line.queues)
-    if (waiting.first != nullptr) time = std::min(time, waiting.first->arrival);
-  return time;
-}
-
 void Directory::send(Line& line, Request& request, Time now) {
   const Time request_way = line.owner == request.core ? 0 : way_to(line, request.core).request;
-  const Time arrival = request.issued + vary(request_way);
-  request.arrival = std::max(arrival, now);
-  request.next = nullptr;
-  if (line.queues == nullptr)
-    line.queues = &queues_.emplace_back(std::vector<Waiting>(bus_free_.size()));
-  Waiting& waiting = (*line.queues)[topology_.socket(request.core)];
-  if (waiting.first == nullptr) {
-    waiting.first = waiting.last = &request;
-  } else if (waiting.last->arrival <= request.arrival) {
-    waiting.last->next = &request;
-    waiting.last = &request;
-  } else if (request.arrival < waiting.first->arrival) {
-    request.next = waiting.first;
-    waiting.first = &request;
-  } else {
-    Request* before = waiting.first;
-    while (before->next->arrival <= request.arrival) before = before->next;
-    request.next = before->next;
-    before->next = &request;
+  request.arrival = std::max(request.issued + vary(request_way), now);
+  if (line.waiting == nullptr) {
+    if (unused_.empty())
+      unused_.push_back(&waitings_.emplace_back(static_cast<unsigned>(bus_free_.size())));
+    line.waiting = unused_.back();
+    unused_.pop_back();
   }
-  ++line.waiting;
+  line.waiting->add(request, topology_.socket(request.core), line.available);
   const Time time = std::max(request.arrival, line.available);
   if (!line.event.scheduled) {
     events_.push(line.event, time);
@@ -136,23 +94,14 @@ void Directory::send(Line& line, Request& request, Time now) {
   }
 }
 
-// The request whose turn it is: the earliest, or one of the socket that has the line.
+// The request whose turn it is.
 Request& Directory::take(Line& line, Time now) {
-  std::vector<Waiting>& queues = *line.queues;
-  Waiting* chosen = &queues.front();
-  for (Waiting& waiting : queues)
-    if (waiting.first != nullptr &&
-        (chosen->first == nullptr || waiting.first->arrival < chosen->first->arrival))
-      chosen = &waiting;
-  Waiting* near = line.last == nobody ? nullptr : &queues[topology_.socket(line.last)];
-  const bool overtakes = near != nullptr && near != chosen && near->first != nullptr &&
-                         near->first->arrival <= now && line.bypassed < bypass_;
-  line.bypassed = overtakes ? line.bypassed + 1 : 0;
-  if (overtakes) chosen = near;
-  Request& request = *chosen->first;
-  chosen->first = request.next;
-  if (chosen->first == nullptr) chosen->last = nullptr;
-  --line.waiting;
+  const unsigned near = line.last == nobody ? nobody : topology_.socket(line.last);
+  Request& request = line.waiting->take(now, near, bypass_, random_);
+  if (line.waiting->count() == 0) {
+    unused_.push_back(line.waiting);
+    line.waiting = nullptr;
+  }
   return request;
 }
 
@@ -192,7 +141,7 @@ Directory::Served Directory::serve(Line& line, Time now) {
   }
   Request& request = take(line, now);
   const unsigned core = request.core;
-  const bool contended = line.waiting != 0;
+  const bool contended = line.waiting != nullptr;
   Time done = now;
   const bool moves = line.owner != core && !(request.want == Want::copy && line.sharers.has(core));
   if (moves) {
@@ -246,7 +195,7 @@ Directory::Served Directory::serve(Line& line, Time now) {
       line.last = core;
       break;
   }
-  if (line.waiting != 0) events_.push(line.event, std::max(earliest(line), line.available));
+  if (contended) events_.push(line.event, std::max(line.waiting->earliest(), line.available));
   return {&request, done, moves};
 }
 

@@ -10,9 +10,8 @@
 ///     ownership also waits for the farthest sharer to give up its copy, and for every other one
 ///       `invalidate_per_sharer`; it leaves the line busy until the operation is done
 ///
-/// Requests are served in the order of arrival; those of the socket that had the line last may be
-/// preferred `bypass` times in a row. Every leg varies by up to a tenth, from the run's seed, so
-/// that cores do not march in step.
+/// Who of those that wait is served next says arbitration.hpp. Every leg varies by up to a tenth,
+/// from the run's seed, so that cores do not march in step.
 ///
 /// Not modelled: capacity (caches hold everything), prefetching, several requests of one core in
 /// flight (but for posted stores), a core that keeps a line for operations it has queued already.
@@ -23,45 +22,12 @@
 #include <deque>
 #include <vector>
 
+#include "bench/many_core/arbitration.hpp"
 #include "bench/many_core/costs.hpp"
 
 namespace irt::many_core {
 
 inline constexpr unsigned line_bytes = 64;
-inline constexpr unsigned nobody = ~0U;
-
-/// A set of hardware threads.
-class CoreSet {
- public:
-  bool has(unsigned core) const { return (words_[core / 64] >> core % 64 & 1U) != 0; }
-  void add(unsigned core) { words_[core / 64] |= std::uint64_t{1} << core % 64; }
-  void clear() { words_ = {}; }
-  /// The lowest and the highest but `except`; `nobody` if there is none.
-  unsigned lowest(unsigned except) const;
-  unsigned highest(unsigned except) const;
-
- private:
-  std::array<std::uint64_t, max_cores / 64> words_{};
-};
-
-enum class Want : std::uint8_t {
-  copy,       ///< to read
-  ownership,  ///< to write
-  far,        ///< to have a read-modify-write done at the home
-};
-
-/// A core asks for a line.
-struct Request {
-  Time issued = 0;
-  Time arrival = 0;  ///< at the line
-  Request* next = nullptr;
-  const void* pc = nullptr;
-  std::uint64_t bytes = 0;  ///< of the line, that it wants to use
-  std::uint32_t thread = 0;
-  std::uint32_t core = 0;
-  Want want = Want::copy;
-  bool posted = false;  ///< nobody waits
-};
 
 /// Where in the code a line was asked for, and what that cost.
 struct Site {
@@ -69,12 +35,6 @@ struct Site {
   std::uint64_t requests = 0;
   Time waited = 0;
   bool writes = false;
-};
-
-/// Requests of one socket, by arrival.
-struct Waiting {
-  Request* first = nullptr;
-  Request* last = nullptr;
 };
 
 struct Watch;
@@ -89,11 +49,9 @@ struct Line {
   bool used = false;         ///< by anybody, in simulated time
   bool only_mine = true;     ///< nobody but `last` has ever used it
   bool only_read = true;     ///< nobody has ever written to it in simulated time
-  unsigned waiting = 0;
-  unsigned bypassed = 0;  ///< how often in a row
   CoreSet sharers;
   unsigned sharer_count = 0;
-  std::vector<Waiting>* queues = nullptr;  ///< by socket; null until somebody waits
+  Waiting* waiting = nullptr;  ///< null while nobody waits
   Event event;
   Watch* watchers = nullptr;  ///< who sleeps until the line changes hands
 
@@ -166,10 +124,9 @@ class Directory {
   Time vary(Time time);
   const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const;
   const Way& way_to(const Line& line, unsigned core) const;
-  Request& take(Line& line, Time now);
   Time pass_bus(const Line& line, const Request& request, Time start);
   void note(Line& line, const Request& request, Time done);
-  static Time earliest(const Line& line);
+  Request& take(Line& line, Time now);
 
   Topology topology_;
   EventQueue& events_;
@@ -179,11 +136,12 @@ class Directory {
   Time conflict_, read_occupancy_, per_sharer_, far_, bus_, rmw_, store_;
   unsigned bypass_;
   std::vector<Time> bus_free_;
-  std::uint64_t random_;
+  Random random_;
   std::vector<Slot> slots_;
   unsigned shift_;
   std::deque<Line> lines_;
-  std::deque<std::vector<Waiting>> queues_;
+  std::deque<Waiting> waitings_;
+  std::vector<Waiting*> unused_;  // of `waitings_`
 };
 
 }  // namespace irt::many_core

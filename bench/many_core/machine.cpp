@@ -187,7 +187,6 @@ unsigned Machine::serve(Line& line, Time now, Time limit) {
     events_.push(thread.event, done);
     return host;
   }
-  events_.skip_to(done);
   ++events_taken_;
   thread.clock = done;
   return thread.number;

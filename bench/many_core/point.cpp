@@ -33,8 +33,8 @@ constexpr std::size_t longest_burst = 16;
 // Operations of one kind.
 struct Tally {
   std::uint64_t all = 0, counted = 0, failed = 0;  // since the start; in the measured time
-  TimeHistogram latency;
   Time longest = 0;
+  TimeHistogram latency;
 
   Tally& operator+=(const Tally& other) {
     all += other.all;
@@ -46,10 +46,10 @@ struct Tally {
   }
 };
 
-struct Worker {
-  Tally pushes, pops;
-  std::uint64_t pushed_sum = 0, popped_sum = 0;
+struct alignas(line_bytes) Worker {
   std::uint64_t random = 0;
+  std::uint64_t pushed_sum = 0, popped_sum = 0;
+  Tally pushes, pops;
 };
 
 class Run {

@@ -39,9 +39,11 @@ int run(int argc, char** argv) {
   app.footer("--renderer replays the ray tracer instead: irt simulate --renderer --help");
   Arguments arguments;
   SweepOptions& sweep = arguments.sweep;
-  app.add_option("--machine", sweep.machines,
-                 "machine profiles, or files (default: granite-rapids-96)")
-      ->delimiter(',');
+  const CLI::Option* const machine =
+      app.add_option("--machine", sweep.machines,
+                     "machine profiles, or files (default: granite-rapids-96; to validate: this "
+                     "machine's own)")
+          ->delimiter(',');
   app.add_option("--queue,--queues", sweep.subjects, "queues (default: all)")->delimiter(',');
   app.add_option("--primitive", sweep.primitives, "what cores compete for, instead of queues")
       ->delimiter(',');
@@ -90,7 +92,10 @@ int run(int argc, char** argv) {
   sweep.scenario = parse_scenario(arguments.scenario);
   sweep.placement = parse_placement(arguments.placement);
   sweep.measured_ns = arguments.milliseconds * 1e6;
-  if (arguments.validate) return validate(sweep, watch_for_interrupt());
+  if (arguments.validate) {
+    if (machine->count() == 0) sweep.machines.clear();
+    return validate(sweep, watch_for_interrupt());
+  }
   if (arguments.sensitivity) return sensitivity(sweep, watch_for_interrupt());
   return simulate_sweep(sweep, watch_for_interrupt());
 }

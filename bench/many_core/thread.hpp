@@ -46,7 +46,7 @@ class StoreBuffer {
   }
 
  private:
-  std::size_t first_ = 0, count_ = 0;
+  std::uint32_t first_ = 0, count_ = 0;
   std::array<PostedStore, places> stores_;
 };
 
@@ -68,29 +68,30 @@ struct LoopState {
   Time period = 0;  ///< of a round, while the thread sleeps in the loop; else 0
 };
 
-struct Thread {
-  std::uint32_t number = 0;
-  std::uint32_t core = 0;  ///< its hardware thread, as Topology numbers them
+/// What every access uses comes first and lies together: with hundreds of threads most of what one
+/// of them touches comes from the host's second cache.
+struct alignas(2 * line_bytes) Thread {
+  Request request;
+  Event event;
   Time clock = 0;
   Time deadline = never;  ///< when it must look up: the end of its quantum or of the run
-  const LocalCosts* costs = nullptr;
-  std::uintptr_t stack = 0, stack_bytes = 0;
-  Event event;
-  Request request;
-
   Time committed = 0;     ///< when the last store that was served took effect
+  const LocalCosts* costs = nullptr;
+  std::uint64_t changes = 0;  ///< steps that were no repetition
+  std::uint32_t number = 0;
+  std::uint32_t core = 0;  ///< its hardware thread, as Topology numbers them
+
+  StoreBuffer stores;
   bool draining = false;  ///< waits for `stores` to be empty
   bool crowded = false;   ///< waits for a place in `stores`
+  Request store_request;  ///< of the first store
 
-  std::uint64_t changes = 0;  ///< steps that were no repetition
   std::uint64_t failures = 0;
+  std::uintptr_t stack = 0, stack_bytes = 0;
   LoopState loop;
 
   bool parked = false, woken = false, timed_out = false;
   std::uintptr_t sleeps_at = 0;
-
-  Request store_request;  ///< of the first store
-  StoreBuffer stores;
 };
 
 }  // namespace irt::many_core

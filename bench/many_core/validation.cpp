@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "bench/frames/interrupt.hpp"
+#include "bench/many_core/calibrate.hpp"
 #include "bench/many_core/native.hpp"
 #include "bench/many_core/runs.hpp"
 #include "queues/registry.hpp"
@@ -47,8 +48,20 @@ bool available(const std::string& subject, bool primitive) {
 
 // --- This machine -------------------------------------------------------------------------------
 
+// What the options name; else what `irt calibrate` has measured before or measures now.
+Profile profile_of_this_machine(const SweepOptions& options) {
+  if (!options.machines.empty()) return load_profile(options.machines[0]);
+  const std::filesystem::path known = options.out / "calibrated.json";
+  if (std::filesystem::exists(known)) {
+    fmt::print("this machine's profile: {}; --machine names another\n", known.string());
+    return load_profile(known.string());
+  }
+  fmt::print("this machine's profile: calibrated now; --machine names another\n");
+  return calibrate("calibrated", "this run").profile;
+}
+
 bool validate_here(const SweepOptions& options, const std::atomic<bool>& interrupted) {
-  const Profile profile = load_profile(options.machines[0]);
+  const Profile profile = profile_of_this_machine(options);
   const unsigned most = std::min({2U, std::thread::hardware_concurrency(), profile.threads()});
   std::vector<Task> tasks;
   std::vector<const QueueEntry*> entries;

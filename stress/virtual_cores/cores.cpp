@@ -24,6 +24,11 @@ Tenant native;
 constexpr std::uintptr_t stacks_address = 0x100000000000;
 constexpr std::size_t guard_bytes = 4096;
 
+// Stacks begin at different offsets within a page, or the frames of all cores would compete for the
+// same few sets of the host's first cache.
+constexpr std::size_t colours = 64, colour_bytes = 64;
+constexpr std::size_t colours_bytes = colours * colour_bytes;
+
 // The C++ runtime's per-thread exception state, which belongs to a core here. The layout is the
 // ABI's __cxa_eh_globals.
 struct ExceptionState {
@@ -31,10 +36,8 @@ struct ExceptionState {
   unsigned uncaught;
 };
 
-ExceptionState& exception_state() {
-  static auto& state = *reinterpret_cast<ExceptionState*>(abi::__cxa_get_globals());
-  return state;
-}
+// The one of the operating-system thread that runs the cores.
+ExceptionState* exception_state = nullptr;
 
 struct Fiber {
   fibers::fcontext_t context;
@@ -61,8 +64,8 @@ struct Cores::State {
     Fiber& from = fiber(current_core);
     Fiber& to = fiber(core);
     current_core = core;
-    from.exceptions = exception_state();
-    exception_state() = to.exceptions;
+    from.exceptions = *exception_state;
+    *exception_state = to.exceptions;
     const fibers::transfer_t came_from = fibers::jump_fcontext(to.context, &from);
     static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
   }
@@ -93,19 +96,21 @@ Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
     : state_(new State{tenant, stack_bytes, std::vector<Fiber>(count)}) {
   if (State::running != nullptr)
     throw std::logic_error("virtual cores: one object exists already; destroy it first");
-  const std::size_t bytes = count * (stack_bytes + guard_bytes);
+  const std::size_t bytes = count * (stack_bytes + colours_bytes + guard_bytes);
   void* stacks = mmap(reinterpret_cast<void*>(stacks_address), bytes, PROT_NONE,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED_NOREPLACE, -1, 0);
   if (stacks == MAP_FAILED)
     throw std::runtime_error("virtual cores: no room for " + std::to_string(bytes) +
                              " bytes of stacks: " + std::strerror(errno));
   for (unsigned core = 0; core < count; ++core)
-    mprotect(reinterpret_cast<void*>(stack_of(core)), stack_bytes, PROT_READ | PROT_WRITE);
+    mprotect(reinterpret_cast<void*>(stack_of(core) / guard_bytes * guard_bytes),
+             stack_bytes + colours_bytes, PROT_READ | PROT_WRITE);
   State::running = state_.get();
 }
 
 Cores::~Cores() {
-  munmap(reinterpret_cast<void*>(stacks_address), count() * (state_->stack_bytes + guard_bytes));
+  munmap(reinterpret_cast<void*>(stacks_address),
+         count() * (state_->stack_bytes + colours_bytes + guard_bytes));
   State::running = nullptr;
 }
 
@@ -120,6 +125,7 @@ void Cores::arm(unsigned core, void (*entry)(void*), void* argument) {
 
 void Cores::run(unsigned first) {
   active = &state_->tenant;
+  exception_state = reinterpret_cast<ExceptionState*>(abi::__cxa_get_globals());
   const std::terminate_handler before = std::set_terminate([] {
     if (current_core == host) std::abort();
     active->failed("std::terminate was called: an exception met a noexcept function or none",
@@ -141,7 +147,8 @@ std::size_t Cores::stack_bytes() const {
   return state_->stack_bytes;
 }
 std::uintptr_t Cores::stack_of(unsigned core) const {
-  return stacks_address + core * (state_->stack_bytes + guard_bytes) + guard_bytes;
+  return stacks_address + core * (state_->stack_bytes + colours_bytes + guard_bytes) + guard_bytes +
+         core % colours * colour_bytes;
 }
 
 }  // namespace irt::virtual_cores

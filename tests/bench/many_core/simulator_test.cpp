@@ -1,4 +1,5 @@
 /// What can be known of simulated runs without a machine: closed forms, conservation, determinism.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <map>
@@ -6,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bench/many_core/arbitration.hpp"
 #include "bench/many_core/children.hpp"
 #include "bench/many_core/point.hpp"
 #include "bench/many_core/sweep.hpp"
@@ -104,6 +106,47 @@ TEST(Simulator, compare_and_swap_loops_succeed_once_per_round) {
                 0.05)
         << threads << " threads";
   }
+}
+
+// Who has seen a value first must not be the first again for ever.
+TEST(Simulator, cores_that_compete_alike_get_alike) {
+  for (const char* name : {"cas", "load-cas"}) {
+    for (const unsigned threads : {16U, 32U}) {
+      Point point = primitive(name, threads, 0);
+      point.measured_ns = 10e6;
+      const nlohmann::json result = run(point);
+      ASSERT_EQ(result["status"], "ok") << result["message"];
+      EXPECT_GT(result["fairness"].get<double>(), 0.5) << name << ", " << threads << " threads";
+    }
+  }
+}
+
+TEST(Simulator, cores_of_two_sockets_get_alike) {
+  Waiting waiting(2);
+  Random random(1);
+  constexpr unsigned cores = 64;
+  std::vector<Request> requests(cores);
+  std::vector<unsigned> served(cores), since(cores);
+  for (unsigned core = 0; core < cores; ++core) {
+    requests[core].core = core;
+    waiting.add(requests[core], core / 32);
+  }
+  unsigned last = 0, longest = 0, same_socket = 0;
+  for (Time now = 0; now < 64'000; ++now) {
+    Request& request = waiting.take(now, last / 32, 2, random);
+    for (unsigned& each : since) ++each;
+    longest = std::max(longest, since[request.core]);
+    since[request.core] = 0;
+    ++served[request.core];
+    same_socket += request.core / 32 == last / 32 ? 1 : 0;
+    last = request.core;
+    request.arrival = now;
+    waiting.add(request, request.core / 32);
+  }
+  // As often as each other, never more than two rounds apart, and most hand-overs are short.
+  EXPECT_LE(std::ranges::max(served) - std::ranges::min(served), 1U);
+  EXPECT_LT(longest, 2 * cores);
+  EXPECT_GT(same_socket, 64'000 * 6 / 10);
 }
 
 TEST(Simulator, private_lines_scale_perfectly) {

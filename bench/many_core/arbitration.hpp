@@ -1,0 +1,88 @@
+/// Who gets a line next, of those who wait for it.
+///
+/// Requests are served in rounds. In a round every core that waits is served once, in an order that
+/// is drawn from the seed: each of those that have arrived and were not served yet in this round is
+/// as likely as any other. When all who wait have had their turn, or nobody waits, a new round
+/// begins. So of n cores that wait all the time nobody waits for more than 2 (n - 1) others, no
+/// order repeats itself, and of compare-and-swaps that have all seen the same value exactly one
+/// succeeds in a round.
+///
+/// Distance: while cores of the socket that had the line last and cores of another socket have
+/// their turns to come, the former are preferred, `bypass` times in a row; then, and when a round
+/// begins, the next is drawn from all.
+///
+/// What it stands for: agents that take requests from several inputs in turn and promise each its
+/// turn, while who is where in that turn depends on paths and retries that nobody sees. That
+/// schedules of real machines look random to a lock-free loop, and treat cores alike in the long
+/// run, is measured in Alistarh, Censor-Hillel, Shavit, "Are Lock-Free Concurrent Algorithms
+/// Practically Wait-Free?" (2014). Strict order of arrival is not used, for it locks into step:
+/// whoever has succeeded in a compare-and-swap loop is the first to know the new value when its
+/// turn comes again, and wins for ever.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/many_core/core_set.hpp"
+#include "bench/many_core/events.hpp"
+#include "bench/many_core/random.hpp"
+
+namespace irt::many_core {
+
+enum class Want : std::uint8_t {
+  copy,       ///< to read
+  ownership,  ///< to write
+  far,        ///< to have a read-modify-write done at the home
+};
+
+/// A core asks for a line.
+struct Request {
+  Time issued = 0;
+  Time arrival = 0;  ///< at the line
+  const void* pc = nullptr;
+  std::uint64_t bytes = 0;  ///< of the line, that it wants to use
+  std::uint32_t thread = 0;
+  std::uint32_t core = 0;
+  Want want = Want::copy;
+  bool posted = false;  ///< nobody waits
+};
+
+/// The requests that wait at one line.
+class Waiting {
+ public:
+  explicit Waiting(unsigned sockets) : sockets_(sockets) {}
+
+  unsigned count() const { return count_; }
+
+  /// `request` must live until it is taken. Nobody is taken before `busy_until`.
+  void add(Request& request, unsigned socket, Time busy_until);
+
+  /// The earliest moment when somebody is there; there must be a request.
+  Time earliest() const { return arrived_ != 0 ? 0 : under_way_.front().request->arrival; }
+
+  /// Takes the request whose turn it is at `now`, not before `earliest()`. `near` is the socket
+  /// that had the line last, or `nobody`.
+  Request& take(Time now, unsigned near, unsigned bypass, Random& random);
+
+ private:
+  struct Socket {
+    std::vector<Request*> due;     // in this round
+    std::vector<Request*> served;  // and here again, for the next one
+  };
+  struct OnItsWay {
+    Request* request;
+    unsigned socket;
+  };
+
+  void arrive(Request& request, unsigned socket);
+  void admit(Time now);
+  void begin_round();
+
+  std::vector<Socket> sockets_;
+  std::vector<OnItsWay> under_way_;  // by arrival
+  CoreSet served_;                   // in this round
+  unsigned count_ = 0, arrived_ = 0, due_ = 0;
+  unsigned bypassed_ = 0;  // how often in a row
+};
+
+}  // namespace irt::many_core
