@@ -66,7 +66,7 @@ std::string band_of(const Point& point) {
            "this";
   return point.threads < 3
              ? "a factor of 4 and more: near-empty queues with two threads"
-             : "a factor of 1.75 (geometric mean over published curves), 3 for mutexes and lists, "
+             : "a factor of 1.95 (geometric mean over published curves), 3 for mutexes and lists, "
                "more where a published client is not told; see docs/simulator.md";
 }
 

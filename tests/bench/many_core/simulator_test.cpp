@@ -129,7 +129,7 @@ TEST(Simulator, cores_of_two_sockets_get_alike) {
   std::vector<unsigned> served(cores), since(cores);
   for (unsigned core = 0; core < cores; ++core) {
     requests[core].core = core;
-    waiting.add(requests[core], core / 32);
+    waiting.add(requests[core], core / 32, 0);
   }
   unsigned last = 0, longest = 0, same_socket = 0;
   for (Time now = 0; now < 64'000; ++now) {
@@ -141,7 +141,7 @@ TEST(Simulator, cores_of_two_sockets_get_alike) {
     same_socket += request.core / 32 == last / 32 ? 1 : 0;
     last = request.core;
     request.arrival = now;
-    waiting.add(request, request.core / 32);
+    waiting.add(request, request.core / 32, now);
   }
   // As often as each other, never more than two rounds apart, and most hand-overs are short.
   EXPECT_LE(std::ranges::max(served) - std::ranges::min(served), 1U);
