@@ -95,6 +95,7 @@ std::vector<std::string> Symbols::unseen_instructions() {
     const std::string_view instruction = std::string_view(line).substr(tab + 1);
     if (!escapes_hooks(instruction)) continue;
     const std::uintptr_t address = module_.load_offset() + std::strtoull(line.c_str(), nullptr, 16);
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
     const std::string place = name(reinterpret_cast<const void*>(address + 1));
     const std::size_t words = instruction.starts_with("lock ") ? instruction.find(' ') + 1 : 0;
     const std::size_t end = instruction.find_first_of(" \t", words);
