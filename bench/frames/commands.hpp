@@ -40,7 +40,8 @@ struct CompareOptions {
   std::vector<unsigned> threads;    ///< empty: 1, 2, 4 ... up to what the machine has
   unsigned frames = 0;              ///< per repetition; 0: as many as fit into `seconds`
   unsigned repetitions = 5, warmup = 1;
-  double seconds = 60;  ///< what all measurements together should take
+  double seconds = 60;   ///< what all measurements together should take
+  double patience = 30;  ///< seconds that a queue may take beyond ten times what is expected
   std::vector<std::string> plugins;
   bool resume = false;
   Shard shard;

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "bench/conditions/conditions.hpp"
+#include "bench/frames/child_process.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/files.hpp"
 #include "bench/frames/interrupt.hpp"
@@ -62,6 +63,12 @@ struct Reference {
   double traverse_share = 0;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Reference, image_hash, triangles, traverse_share)
+
+struct FirstFrame {
+  double seconds = 0;
+  Reference reference;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FirstFrame, seconds, reference)
 
 // 1, 2, 4 ... and the number of hardware threads itself; each number where there are few.
 std::vector<unsigned> default_threads() {
@@ -215,20 +222,14 @@ class Comparison {
   // Renders every workload once, and with a new plan settles what is still open and begins the
   // journal.
   void first_frames(const std::filesystem::path& file) {
-    const QueueEntry& queue = queues_.at(plan_.queues.front());
     const unsigned threads = *std::ranges::max_element(plan_.threads);
     const double cores = std::min<double>(threads, settle_threads(0));
     std::vector<Reference> references;
-    std::vector<double> work;
     for (const auto& workload : workloads_) {
-      const Sample first =
-          take_sample(*workload, queue, {.threads = threads, .warmup = 0}, cancel_);
-      if (first.seconds.empty()) return;
-      if (references.empty()) show_first_frame(*workload);
-      references.push_back({.image_hash = first.image_hash,
-                            .triangles = workload->scene().mesh.triangles.size(),
-                            .traverse_share = traverse_share(*workload, queue, threads, cancel_)});
-      work.push_back(first.seconds.front() * cores);
+      const std::optional<FirstFrame> first = first_frame(*workload, threads, references.empty());
+      if (!first) return;
+      references.push_back(first->reference);
+      work_.push_back(first->seconds * cores);
     }
     if (journal_) {
       journal_->header().at("references").get_to(references_);
@@ -242,15 +243,39 @@ class Comparison {
     }
     if (cancel_) return;
     references_ = std::move(references);
-    settle_length(plan_, work, options_.seconds);
-    journal_ = Journal::begin(file, {{"format", "irt-frames 2"},
+    settle_length(plan_, work_, options_.seconds);
+    journal_ = Journal::begin(file, {{"format", journal_format},
                                      {"plan", plan_},
                                      {"references", references_},
                                      {"conditions", conditions_}});
   }
 
-  void show_first_frame(Workload& workload) {
-    write_png(options_.out / "frame.png", workload.application().image());
+  // Rendered with a queue of ours, not with one that is to be tried, and like all frames in a
+  // process of its own; nothing if interrupted.
+  std::optional<FirstFrame> first_frame(Workload& workload, unsigned threads, bool keep_picture) {
+    constexpr double a_day = 86'400;
+    const QueueEntry& queue = built_in_queues().front();
+    const Ending ending = in_child({}, a_day, cancel_, [&] {
+      const Sample first = take_sample(workload, queue, {.threads = threads, .warmup = 0}, cancel_);
+      if (keep_picture) write_png(options_.out / "frame.png", workload.application().image());
+      answer(FirstFrame{
+          .seconds = first.seconds.at(0),
+          .reference = {.image_hash = first.image_hash,
+                        .triangles = workload.scene().mesh.triangles.size(),
+                        .traverse_share = traverse_share(workload, queue, threads, cancel_)}});
+    });
+    if (cancel_) return std::nullopt;
+    if (ending.status != "ok") {
+      throw UsageError(fmt::format("the first frame {}: {}; try fewer threads or a smaller scene",
+                                   ending.status, ending.message));
+    }
+    if (keep_picture) show_first_frame(workload);
+    return nlohmann::json::parse(ending.answer).get<FirstFrame>();
+  }
+
+  static void answer(const nlohmann::json& value) { fmt::print("{}", value.dump()); }
+
+  void show_first_frame(const Workload& workload) const {
     fmt::print(stderr, "{}, {} triangles: first frame after {:.1f} s, {}\n",
                workload.options().scene, workload.scene().mesh.triangles.size(),
                std::chrono::duration<double>(Clock::now() - begin_).count(),
@@ -268,15 +293,40 @@ class Comparison {
       const Row& row = rows[(i + repetition) % round];
       if (journal_->has(row.workload, row.queue, row.threads, repetition)) continue;
       progress.show(fmt::format("{}, {} threads", row.queue, row.threads));
-      Sample sample = take_sample(
-          *workloads_[row.workload], queue_of(row),
-          {.threads = row.threads, .warmup = plan_.warmup, .frames = plan_.frames}, cancel_);
-      if (sample.seconds.size() < plan_.frames) break;
-      sample.workload = row.workload;
-      sample.repetition = repetition;
-      journal_->add(sample);
+      if (!hopeless(row)) {
+        Sample sample = sample_of(row);
+        if (cancel_) break;
+        sample.repetition = repetition;
+        journal_->add(sample);
+      }
       progress.step();
     }
+  }
+
+  // Measured in a process of its own, so that a queue that hangs or crashes is a result.
+  Sample sample_of(const Row& row) {
+    const double expected = work_[row.workload] * (plan_.warmup + plan_.frames);
+    const Ending ending = in_child({}, options_.patience + 10 * expected, cancel_, [&] {
+      answer(take_sample(*workloads_[row.workload], queue_of(row),
+                         {.threads = row.threads, .warmup = plan_.warmup, .frames = plan_.frames},
+                         cancel_));
+    });
+    Sample sample;
+    if (ending.status == "ok") nlohmann::json::parse(ending.answer).get_to(sample);
+    sample.workload = row.workload;
+    sample.queue = row.queue;
+    sample.threads = row.threads;
+    sample.status = ending.status;
+    sample.message = ending.message;
+    return sample;
+  }
+
+  // What hung once would cost its patience again and again.
+  bool hopeless(const Row& row) const {
+    return std::ranges::any_of(journal_->samples(), [&](const Sample& sample) {
+      return sample.status == "hung" && sample.workload == row.workload &&
+             sample.queue == row.queue && sample.threads == row.threads;
+    });
   }
 
   int report() {
@@ -307,7 +357,7 @@ class Comparison {
     bool broken = false;
     for (const Sample& sample : samples) broken |= is_broken(sample);
     if (broken) return 1;
-    if (done == plan_.samples()) return 0;
+    if (!cancel_) return 0;
     fmt::print(stderr,
                "irt: interrupted after {} of {} measurements; go on with: irt compare --resume "
                "--out {}\n",
@@ -328,8 +378,14 @@ class Comparison {
     return text;
   }
 
-  // Says so where a queue has lost or doubled tasks, by its own count or by the picture.
+  // Says so where a queue has hung or crashed, and where it has lost or doubled tasks, by its own
+  // count or by the picture.
   bool is_broken(const Sample& sample) const {
+    if (sample.status != "ok") {
+      fmt::print(stderr, "irt: queue {} with {} threads {}: {}\n", sample.queue, sample.threads,
+                 sample.status, sample.message);
+      return true;
+    }
     const bool same = !exact(sample.workload) ||
                       (sample.same_image && sample.image_hash == expected_hash(sample.workload));
     if (same && sample.lost + sample.doubled == 0) return false;
@@ -348,7 +404,8 @@ class Comparison {
     if (!wanted.animate.empty()) {
       return std::ranges::find_if(journal_->samples(),
                                   [&](const Sample& sample) {
-                                    return same_picture(plan_.workloads[sample.workload], wanted);
+                                    return sample.status == "ok" &&
+                                           same_picture(plan_.workloads[sample.workload], wanted);
                                   })
           ->image_hash;
     }
@@ -367,7 +424,8 @@ class Comparison {
   Clock::time_point begin_ = Clock::now();
   Plan plan_;
   std::vector<std::unique_ptr<Workload>> workloads_;  // as in the plan, and so are
-  std::vector<Reference> references_;                 // these
+  std::vector<Reference> references_;                 // these, and
+  std::vector<double> work_;                          // what a frame takes one thread, seconds
   nlohmann::json conditions_;
   std::optional<Journal> journal_;
 };

@@ -10,7 +10,7 @@ Journal Journal::begin(const std::filesystem::path& file, nlohmann::json header)
 
 Journal Journal::resume(const std::filesystem::path& file) {
   std::vector<Sample> samples;
-  JsonLines lines = JsonLines::resume(file, "irt-frames 2", [&](const nlohmann::json& line) {
+  JsonLines lines = JsonLines::resume(file, journal_format, [&](const nlohmann::json& line) {
     samples.push_back(line.get<Sample>());
   });
   return {std::move(lines), std::move(samples)};

@@ -10,6 +10,9 @@
 
 namespace irt {
 
+/// Says what is in such a file.
+inline constexpr const char* journal_format = "irt-frames 3";
+
 class Journal {
  public:
   /// As those of `JsonLines`.

@@ -211,6 +211,11 @@ void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
   command.add_option("--seconds", options.seconds, "what all should take together")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--patience", options.patience,
+                  "seconds over ten times the expected until a queue counts as hung")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1e6));
   shared.add_plugin(command);
   command.add_option("--out", options.out, "directory of the results")->capture_default_str();
   command.add_option("--json", options.json, "write the figures here, too");

@@ -19,6 +19,8 @@ struct Sample {
   std::string queue;      ///< "-" where the task system needs none
   unsigned threads = 0;
   unsigned repetition = 0;
+  std::string status = "ok";    ///< ok, hung, crashed or failed
+  std::string message;          ///< of any other status: one line
   std::vector<double> seconds;  ///< T.Exec of each frame
   double pose_s = 0, update_s = 0, generate_s = 0, render_s = 0, output_s = 0;
   double barrier_s = 0, idle_s = 0;
@@ -35,11 +37,11 @@ struct Sample {
   void add(const FrameStats& frame, const Motion& motion = {});
 };
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, workload, queue, threads, repetition, seconds, pose_s,
-                                   update_s, rebuilds, generate_s, render_s, output_s, barrier_s,
-                                   idle_s, trace_s, shade_s, get_s, add_s, imbalance, rays, tasks,
-                                   added, failed_gets, overflowed, lost, doubled, gets, adds,
-                                   pinned, same_image, image_hash)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, workload, queue, threads, repetition, status, message,
+                                   seconds, pose_s, update_s, rebuilds, generate_s, render_s,
+                                   output_s, barrier_s, idle_s, trace_s, shade_s, get_s, add_s,
+                                   imbalance, rays, tasks, added, failed_gets, overflowed, lost,
+                                   doubled, gets, adds, pinned, same_image, image_hash)
 
 struct SampleOptions {
   unsigned threads = 1;

@@ -14,24 +14,33 @@ using Json = nlohmann::ordered_json;
 
 // All samples of one workload and queue with so many threads, as one.
 struct Group {
-  Sample sum;
+  Sample sum;               // its status is the first that is not ok
   std::vector<double> fps;  // median of each repetition
 };
+
+void note_trouble(Sample& sum, const Sample& sample) {
+  if (sum.status != "ok") return;
+  sum.status = sample.status;
+  sum.message = sample.message;
+}
 
 std::vector<Group> group(std::span<const Sample> samples) {
   std::vector<Group> groups;
   for (const Sample& sample : samples) {
-    if (sample.seconds.empty()) continue;
-    const double fps = 1 / quantile(sample.seconds, 0.5);
+    const bool measured = !sample.seconds.empty();
+    if (!measured && sample.status == "ok") continue;
     auto found = std::ranges::find_if(groups, [&](const Group& group) {
       return group.sum.workload == sample.workload && group.sum.queue == sample.queue &&
              group.sum.threads == sample.threads;
     });
-    if (found == groups.end()) {
-      groups.push_back({sample, {fps}});
-      continue;
-    }
+    const bool first = found == groups.end();
+    if (first) found = groups.insert(found, {sample, {}});
+    if (measured) found->fps.push_back(1 / quantile(sample.seconds, 0.5));
     Sample& sum = found->sum;
+    if (first) continue;
+    note_trouble(sum, sample);
+    if (!measured) continue;
+    if (sum.seconds.empty()) sum.image_hash = sample.image_hash;
     sum.seconds.insert(sum.seconds.end(), sample.seconds.begin(), sample.seconds.end());
     for (double Sample::*field :
          {&Sample::pose_s, &Sample::update_s, &Sample::generate_s, &Sample::render_s,
@@ -47,7 +56,6 @@ std::vector<Group> group(std::span<const Sample> samples) {
     add_counts(sum.gets, sample.gets);
     add_counts(sum.adds, sample.adds);
     sum.same_image &= sample.same_image && sample.image_hash == sum.image_hash;
-    found->fps.push_back(fps);
   }
   return groups;
 }
@@ -78,7 +86,8 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const Sample& sum = group.sum;
   const WorkloadOptions& options = background.workload;
   const auto frames = static_cast<double>(sum.seconds.size());
-  const double fps = 1 / quantile(sum.seconds, 0.5);
+  const bool measured = !sum.seconds.empty();
+  const double fps = measured ? 1 / quantile(sum.seconds, 0.5) : 0;
   const double all_s = sum.pose_s + sum.update_s + sum.generate_s + sum.render_s + sum.output_s;
   const double threads_s = sum.render_s * sum.threads;
   const double rays_per_frame = per(static_cast<double>(sum.rays), frames);
@@ -90,7 +99,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
     return options.animate.empty() ? Json() : Json(figure);
   };
   const auto of_queue = [queued](double figure) { return queued ? Json(figure) : Json(); };
-  return {
+  Json run{
       {"scene", options.scene},
       {"triangles", background.triangles},
       {"queue", queued ? Json(sum.queue) : Json()},
@@ -112,15 +121,19 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"depth", options.depth},
       {"samples_per_pixel", options.samples_per_pixel},
       {"warmup", background.warmup},
+      {"status", sum.status},
+      {"message", sum.message},
       {"frames", sum.seconds.size()},
       {"repetitions", group.fps.size()},
+  };
+  Json figures{
       {"fps", fps},
       {"fps_low", repeated.low ? Json(*repeated.low) : Json()},
       {"fps_high", repeated.high ? Json(*repeated.high) : Json()},
       {"fps_samples", group.fps},
-      {"fps_lower_quartile", 1 / quantile(sum.seconds, 0.75)},
-      {"fps_upper_quartile", 1 / quantile(sum.seconds, 0.25)},
-      {"seconds_per_frame", 1 / fps},
+      {"fps_lower_quartile", measured ? 1 / quantile(sum.seconds, 0.75) : 0},
+      {"fps_upper_quartile", measured ? 1 / quantile(sum.seconds, 0.25) : 0},
+      {"seconds_per_frame", measured ? 1 / fps : 0},
       {"rays_per_frame", rays_per_frame},
       {"rays_per_second", rays_per_frame * fps},
       {"speed_up", one_thread_fps > 0 ? Json(fps / one_thread_fps) : Json()},
@@ -159,8 +172,12 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"image_hash", sum.image_hash},
       {"same_image", sum.same_image},
       {"pinned", sum.pinned},
-      {"conditions", background.conditions},
   };
+  for (auto& [name, figure] : figures.items()) {
+    run[name] = measured ? std::move(figure) : Json();
+  }
+  run["conditions"] = background.conditions;
+  return run;
 }
 
 }  // namespace
@@ -178,7 +195,7 @@ nlohmann::ordered_json summarise(std::span<const Sample> samples,
   const std::vector<Group> groups = group(samples);
   std::vector<double> one_thread_fps(backgrounds.size());
   for (const Group& one : groups) {
-    if (one.sum.threads != 1) continue;
+    if (one.sum.threads != 1 || one.sum.seconds.empty()) continue;
     double& fps = one_thread_fps[one.sum.workload];
     fps = std::max(fps, 1 / quantile(one.sum.seconds, 0.5));
   }
@@ -221,9 +238,21 @@ std::vector<Column> choices_of(const Json& runs) {
   return columns;
 }
 
-std::string number(const Json& value, int width, int digits) {
+std::string number(const Json& value, int width, int digits, double scale = 1) {
   if (value.is_null()) return fmt::format("{:>{}}", "-", width);
-  return fmt::format("{:>{}.{}f}", value.get<double>(), width, digits);
+  return fmt::format("{:>{}.{}f}", value.get<double>() * scale, width, digits);
+}
+
+std::string quartiles(const Json& run) {
+  if (run["fps_lower_quartile"].is_null()) return "-";
+  return fmt::format("{:.2f} to {:.2f}", run["fps_lower_quartile"].get<double>(),
+                     run["fps_upper_quartile"].get<double>());
+}
+
+std::string trouble(const Json& run) {
+  if (run["status"] == "ok") return {};
+  return fmt::format("  {}: {}", run["status"].get<std::string>(),
+                     run["message"].get<std::string>());
 }
 
 }  // namespace
@@ -259,16 +288,13 @@ std::string table(const nlohmann::ordered_json& runs) {
     ++lines;
     last = choices;
     text += choices + fmt::format("{:>7}", run["threads"].get<unsigned>()) +
-            number(run["fps"], 9, 2) + "  " +
-            fmt::format("{:<17}",
-                        fmt::format("{:.2f} to {:.2f}", run["fps_lower_quartile"].get<double>(),
-                                    run["fps_upper_quartile"].get<double>())) +
-            fmt::format("{:>9.3f}", run["rays_per_second"].get<double>() / 1e6) +
-            number(run["speed_up"], 9, 2) + number(run["get_ns"], 8, 0) +
-            number(run["add_ns"], 8, 0) + number(run["failed_gets_per_frame"], 9, 0) +
-            number(run["idle_ms"], 9, 2) + number(run["barrier_wait_ms"], 9, 2) +
+            number(run["fps"], 9, 2) + "  " + fmt::format("{:<17}", quartiles(run)) +
+            number(run["rays_per_second"], 9, 3, 1e-6) + number(run["speed_up"], 9, 2) +
+            number(run["get_ns"], 8, 0) + number(run["add_ns"], 8, 0) +
+            number(run["failed_gets_per_frame"], 9, 0) + number(run["idle_ms"], 9, 2) +
+            number(run["barrier_wait_ms"], 9, 2) +
             (moves ? number(run["update_ms"], 10, 2) + number(run["share_rebuilt"], 9, 2) : "") +
-            '\n';
+            trouble(run) + '\n';
   }
   return text;
 }

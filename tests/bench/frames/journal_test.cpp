@@ -20,7 +20,7 @@ Sample sample(const std::string& queue, unsigned repetition) {
   return one;
 }
 
-const nlohmann::json header{{"format", "irt-frames 2"}, {"plan", 7}};
+const nlohmann::json header{{"format", "irt-frames 3"}, {"plan", 7}};
 
 TEST(Journal, GivesBackWhatWasWritten) {
   const TemporaryDirectory directory;
@@ -63,7 +63,7 @@ TEST(Journal, RefusesWhatIsNoJournal) {
   const auto file = directory / "runs.jsonl";
   EXPECT_THROW(Journal::resume(file), UsageError);
   for (const char* text : {"", "{\"format\":", "not json\n", "{\"format\":\"other\"}\n", "[1]\n",
-                           "{\"format\":\"irt-frames 2\"}\n{\"queue\":3}\n"}) {
+                           "{\"format\":\"irt-frames 3\"}\n{\"queue\":3}\n"}) {
     std::ofstream(file) << text;
     EXPECT_THROW(Journal::resume(file), UsageError) << text;
   }

@@ -33,6 +33,25 @@ TEST(Quantile, Interpolates) {
   EXPECT_DOUBLE_EQ(quantile({7}, 0.75), 7);
 }
 
+TEST(Summary, ACrashIsARunAndLeavesWhatWasMeasured) {
+  Sample crash = sample("lock", 1, {}), hang = sample("lock", 2, {});
+  crash.status = "crashed";
+  crash.message = "Aborted";
+  hang.status = "hung";
+  const std::vector<Sample> samples{crash, sample("lock", 1, {0.5, 0.5}), hang};
+  const auto runs = summarise(samples, std::vector<Background>(1));
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0]["status"], "crashed");
+  EXPECT_EQ(runs[0]["message"], "Aborted");
+  EXPECT_DOUBLE_EQ(runs[0]["fps"].get<double>(), 2);
+  EXPECT_EQ(runs[0]["repetitions"], 1);
+  EXPECT_EQ(runs[0]["same_image"], true);
+  EXPECT_EQ(runs[1]["status"], "hung");
+  EXPECT_TRUE(runs[1]["fps"].is_null());
+  EXPECT_TRUE(runs[1]["same_image"].is_null());
+  EXPECT_NE(table(runs).find("crashed: Aborted"), std::string::npos);
+}
+
 TEST(Summary, FiguresAreThoseOfTheThesis) {
   const std::vector<Sample> samples{sample("lock", 1, {1.0, 1.0}), sample("lock", 2, {0.5}),
                                     sample("local", 1, {2.0}), sample("lock", 1, {0.5, 1.0}),

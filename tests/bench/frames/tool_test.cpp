@@ -248,6 +248,47 @@ TEST_F(CompareTest, RunsThroughAndAResumeAddsNothing) {
   expect_complete();
 }
 
+TEST_F(CompareTest, QueuesThatHangOrCrashAreRowsAndTheOthersKeepTheirs) {
+  Arguments arguments{"compare",
+                      "--scene",
+                      "office",
+                      "--size",
+                      "64x64",
+                      "--task-size",
+                      "1",
+                      "--threads",
+                      "2",
+                      "--repetitions",
+                      "2",
+                      "--frames",
+                      "2",
+                      "--patience",
+                      "2",
+                      "--queue",
+                      "lock,crashing,hanging",
+                      "--out",
+                      out};
+  for (const char* name : {"hanging", "crashing"}) {
+    arguments = with(arguments, {"--plugin", std::string(IRT_TEST_PLUGINS) + "/" + name + ".so"});
+  }
+  Tool tool(arguments);
+  EXPECT_EQ(tool.wait(), 1) << tool.err();
+  const auto runs = json_of(out / "compare.json");
+  ASSERT_EQ(runs.size(), 3u);
+  EXPECT_EQ(runs[0]["status"], "ok");
+  EXPECT_EQ(runs[0]["frames"], 4);
+  EXPECT_EQ(runs[1]["status"], "crashed");
+  EXPECT_EQ(runs[1]["message"], "Aborted");
+  EXPECT_EQ(runs[2]["status"], "hung");
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_TRUE(runs[i]["fps"].is_null());
+    EXPECT_TRUE(runs[i]["get_ns"].is_null());
+    EXPECT_EQ(runs[i]["repetitions"], 0);
+  }
+  EXPECT_NE(tool.out().find("crashed: Aborted"), std::string::npos) << tool.out();
+  EXPECT_EQ(lines(), 1u + 2 + 2 + 1);  // what hung is not tried again
+}
+
 TEST_F(CompareTest, EveryChoiceMayBeAListAndBecomesRows) {
   Tool tool({"compare", "--scene", "office", "--size", "32x32", "--bvh", "wide,wald",
              "--task-system", "queue,tbb", "--queue", "lock,local", "--threads", "2",
