@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "bench/conditions/baselines.hpp"
 #include "bench/report/metrics.hpp"
 
 namespace irt {
@@ -57,6 +58,11 @@ std::string described(const Run& run, const Choice& choice) {
   const std::string value = run.text(choice.key);
   if (value.empty()) return fmt::format("{} by default", without_unit(choice.title));
   return run.number(choice.key) ? fmt::format("{} {}", without_unit(choice.title), value) : value;
+}
+
+bool is_baseline(const Run& run) {
+  const std::vector<std::string> names = baseline_queues();
+  return run.family != Family::micro && std::ranges::find(names, run.subject()) != names.end();
 }
 
 std::string file_name(const std::string& text) {
@@ -224,9 +230,11 @@ class PanelMaker {
     const Run& first = run(runs.front());
     Series series{.name = first.subject(),
                   .simulated = first.simulated(),
+                  .baseline = is_baseline(first),
                   .colour = 0,
                   .runs = runs,
                   .facts = series_facts(results_, runs)};
+    if (series.baseline) series.name += " (baseline)";
     for (const Choice* choice : in_series) {
       if (first.simulated() && first.text(choice->key).empty()) continue;
       series.name += ", " + described(first, *choice);

@@ -21,6 +21,7 @@ struct Point {
 struct Series {
   std::string name;
   bool simulated = false;
+  bool baseline = false;   ///< what queues are measured against, see baseline_queues()
   std::size_t colour = 0;  ///< a number that a queue keeps throughout a report
   std::vector<std::size_t> runs;
   std::vector<std::string> facts;  ///< by `series_columns()`

@@ -7,6 +7,7 @@
 #include <map>
 #include <vector>
 
+#include "bench/contention/summary.hpp"
 #include "bench/frames/journal.hpp"
 #include "bench/frames/mean_interval.hpp"
 #include "bench/frames/summary.hpp"
@@ -177,11 +178,15 @@ FileContents read_lines(const std::string& text, const std::filesystem::path& fi
   const Json header = lines.front();
   const std::string format = header.is_object() ? header.value("format", "") : "";
   std::size_t done = lines.size();
-  if (format == "irt-frames 2") {
+  if (format == journal_format) {
     std::vector<Sample> samples;
     for (std::size_t i = 1; i < lines.size(); ++i) samples.push_back(lines[i].get<Sample>());
     done = samples.size();
     contents.runs = compared_runs(header, samples);
+  } else if (format == contention::journal_format) {
+    const std::vector<nlohmann::json> results(lines.begin() + 1, lines.end());
+    done = results.size();
+    contents.runs = contention::summarise_journal(header, results);
   } else {
     // Other tools write finished runs, perhaps under a header.
     if (!format.empty()) lines.erase(lines.begin());
@@ -217,7 +222,7 @@ FileContents read_result_file(const std::filesystem::path& file) {
   } catch (const Json::exception&) {
     throw ResultError(fmt::format("{}: a field has the wrong type or is missing", file.string()));
   } catch (const std::out_of_range&) {
-    throw ResultError(fmt::format("{}: a sample of an unknown workload", file.string()));
+    throw ResultError(fmt::format("{}: a result of an unknown workload or row", file.string()));
   }
 }
 

@@ -14,16 +14,19 @@ constexpr Metric frame_metrics[] = {
 };
 constexpr Metric operation_metrics[] = {
     {"operations_per_second", "operations [1/s]", "samples"},
+    {"operations_per_cpu_second", "operations per second of processor time [1/s]",
+     "samples_per_cpu_second"},
     {"frames_per_second", "frames per second [1/s]"},
     {"fps", "frames per second [1/s]"},
     {"failed_pops_per_second", "failed pops [1/s]", {}, true},
     {"failed_pushes_per_second", "failed pushes [1/s]", {}, true},
     {"fairness", "fairness, slowest over fastest thread"},
-    {"retries_per_operation", "retries per operation"},
+    {"retries_per_operation", "retries per operation, by the build that counts"},
     {"cas_failures_per_success", "failed CAS per success"},
     {"transfers_per_operation", "cache lines moved per operation"},
     {"context_switches_per_second", "context switches [1/s]", {}, true},
     {"memory_peak_bytes", "most memory [bytes]"},
+    {"memory_held_bytes", "memory held at the end [bytes]"},
     {"energy_joules", "energy [J]"},
 };
 constexpr Metric micro_metrics[] = {

@@ -42,6 +42,7 @@ Json panel_of(const Panel& panel) {
   for (const Series& one : panel.series) {
     series.push_back({{"name", one.name},
                       {"simulated", one.simulated},
+                      {"baseline", one.baseline},
                       {"colour", one.colour},
                       {"facts", one.facts}});
   }

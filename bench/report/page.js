@@ -98,8 +98,8 @@ function mark(series, x, y) {
 
 function seriesGroup(series, index) {
   return shape("g", {
-    class: series.simulated ? "series simulated" : "series",
-    style: `--c: var(--c${series.colour % colourCount})`,
+    class: `series${series.simulated ? " simulated" : ""}${series.baseline ? " baseline" : ""}`,
+    style: `--c: var(--${series.baseline ? "baseline" : `c${series.colour % colourCount}`})`,
     "data-series": index,
   });
 }
@@ -316,6 +316,17 @@ function factList(panel) {
   return list;
 }
 
+// What is drawn for a screen is scaled on paper, and its texts with it. So all is drawn anew, as wide
+// as the columns of a page are.
+const paper = { printing: false, wide: 690, narrow: 330 };
+const redraws = new Map();  // by the body of a panel
+for (const [event, printing] of [["beforeprint", true], ["afterprint", false]]) {
+  window.addEventListener(event, () => {
+    paper.printing = printing;
+    for (const redraw of redraws.values()) redraw();
+  });
+}
+
 // Draws one panel into `body`, and again where a series is switched or the width changes.
 function fillPanel(body, panel) {
   const shown = new Set(panel.series.keys());
@@ -328,7 +339,8 @@ function fillPanel(body, panel) {
   });
   const draw = () => {
     panel.plots.forEach((plot, i) => {
-      const width = Math.max(280, Math.round(figures[i].clientWidth));
+      const printed = i === 0 ? paper.wide : paper.narrow;
+      const width = paper.printing ? printed : Math.max(280, Math.round(figures[i].clientWidth));
       const drawn = (plot.dots ? drawDots : drawLines)(plot, panel, shown, width);
       watchPointer(drawn, plot, panel);
       figures[i].querySelector("svg")?.remove();
@@ -361,9 +373,10 @@ function fillPanel(body, panel) {
   if (panel.family !== "micro") parts.push(seriesTable(panel));
   body.replaceChildren(...parts);
   draw();
+  redraws.set(body, draw);
   let width = body.clientWidth;
   new ResizeObserver(() => {
-    if (body.clientWidth === width) return;
+    if (paper.printing || body.clientWidth === width) return;
     width = body.clientWidth;
     draw();
   }).observe(body);
@@ -407,14 +420,18 @@ function compare(a, b, direction) {
 
 function tableOf(columns, rows) {
   const body = element("tbody");
+  const nothing = columns.map((_, column) => rows.every((row) => row[column] === null));
   const fill = (sorted) => body.replaceChildren(...sorted.map((row) => {
     const bad = /^(hung|crashed|failed|broken)/.test(row.at(-1));
-    return element("tr", bad ? { class: "bad" } : {}, ...row.map(cellOf));
+    const cells = row.map(cellOf);
+    cells.forEach((cell, column) => cell.classList.toggle("nothing", nothing[column]));
+    return element("tr", bad ? { class: "bad" } : {}, ...cells);
   }));
   const heads = columns.map((name, column) => {
     const numeric = rows.some((row) => typeof row[column] === "number");
     const button = element("button", { type: "button" }, name);
     const head = element("th", { scope: "col", class: numeric ? "number" : "" }, button);
+    head.classList.toggle("nothing", nothing[column]);
     button.addEventListener("click", () => {
       const down = head.getAttribute("aria-sort") === "ascending";
       heads.forEach((other) => other.removeAttribute("aria-sort"));

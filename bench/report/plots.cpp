@@ -18,6 +18,7 @@ namespace {
 // As in page.css: distinguishable by colour-blind readers, on white.
 constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#a8477e",
                              "#b07a00", "#2f9bd6", "#333333", "#7a7f00"};
+constexpr const char* baseline_colour = "#8a8a8a";
 constexpr std::array filled_marks{7, 5, 9, 13, 11};
 constexpr std::array open_marks{6, 4, 8, 12, 10};
 
@@ -92,8 +93,10 @@ std::string script_of(const Panel& panel, const Plot& plot, const std::string& n
     const Series& series = panel.series[i];
     const auto& marks = series.simulated ? open_marks : filled_marks;
     const std::string style =
-        fmt::format("lc rgb '{}' pt {} dt {}", colours[series.colour % colours.size()],
-                    marks[series.colour % marks.size()], series.simulated ? 2 : 1);
+        fmt::format("lc rgb '{}' pt {} dt {}{}",
+                    series.baseline ? baseline_colour : colours[series.colour % colours.size()],
+                    marks[series.colour % marks.size()], series.simulated ? 2 : 1,
+                    series.baseline ? " lw 0.6" : "");
     // An index counts the blocks that have lines.
     const auto block = std::ranges::count_if(plot.lines.begin(),
                                              plot.lines.begin() + static_cast<std::ptrdiff_t>(i),

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
+#include "bench/contention/summary.hpp"
 #include "bench/report/results.hpp"
 #include "tests/bench/report/synthetic.hpp"
 #include "tests/bench/temporary.hpp"
@@ -57,7 +58,7 @@ TEST_F(ReadingTest, BadFilesAreOneLineThatNamesTheFile) {
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "missing",
                       refusal("{\"context\": 1, \"benchmarks\": [{}]}"));
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "missing",
-                      refusal("{\"format\":\"irt-frames 2\"}\n", "a.jsonl"));
+                      refusal("{\"format\":\"irt-frames 3\"}\n", "a.jsonl"));
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "line 1", refusal("nonsense\n", "a.jsonl"));
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "--resume",
                       refusal("{\"format\":\"other 1\"}\n{\"row\":1}\n", "b.jsonl"));
@@ -99,6 +100,43 @@ TEST_F(ReadingTest, AnInterruptedSweepIsReadUpToItsTornLine) {
   EXPECT_EQ(results.runs.size(), 2u);
   ASSERT_EQ(results.notes.size(), 1u);
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "torn", results.notes[0]);
+}
+
+TEST_F(ReadingTest, AnInterruptedContentionSweepIsSummedUp) {
+  contention::Row lock;
+  lock.queue = "lock";
+  lock.scenario = "pairs";
+  lock.claims = nlohmann::json{{"ordering", "FIFO"}};
+  lock.placement.text = "close";
+  contention::Row broken = lock;
+  broken.queue = "mine";
+  const nlohmann::json header{{"format", contention::journal_format},
+                              {"plan", contention::Plan()},
+                              {"rows", {lock, broken}},
+                              {"calibration", contention::Calibration()},
+                              {"conditions", synthetic::conditions()}};
+  std::string lines = header.dump() + '\n';
+  for (unsigned repetition = 0; repetition < 3; ++repetition) {
+    contention::Result result{.row = 0, .repetition = repetition, .pass = {}, .sample = {}};
+    result.sample.seconds = 0.5;
+    result.sample.pushes = result.sample.pops = 100 + repetition;
+    lines += nlohmann::json(result).dump() + '\n';
+  }
+  contention::Result crash{.row = 1, .repetition = 0, .pass = {}, .sample = {}};
+  crash.sample.status = "crashed";
+  lines += nlohmann::json(crash).dump() + '\n' + "{\"row\": 1, \"rep";
+  const Results results = read({write("contention.jsonl", lines)});
+  ASSERT_EQ(results.runs.size(), 2u);
+  EXPECT_EQ(results.runs[0].number("operations_per_second"), 404);
+  EXPECT_EQ(results.runs[0].number("repetitions"), 3);
+  EXPECT_EQ(results.runs[0].status(), "ok");
+  EXPECT_EQ(results.runs[1].status(), "crashed");
+  ASSERT_EQ(results.notes.size(), 2u);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "4 results; the last line is torn", results.notes[0]);
+
+  crash.row = 7;
+  const std::string nowhere = header.dump() + '\n' + nlohmann::json(crash).dump() + '\n';
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "unknown", refusal(nowhere, "a.jsonl"));
 }
 
 TEST_F(ReadingTest, ShardsMergeAndWhatIsThereTwiceCountsOnce) {
