@@ -11,25 +11,19 @@
 namespace irt::contention {
 namespace {
 
-struct Event {
-  std::string_view name;
-  std::uint32_t type;
-  std::uint64_t config;
-};
-
 constexpr std::uint64_t l1d_read_miss = PERF_COUNT_HW_CACHE_L1D |
                                         (PERF_COUNT_HW_CACHE_OP_READ << 8) |
                                         (PERF_COUNT_HW_CACHE_RESULT_MISS << 16);
-constexpr std::array events{
-    Event{"instructions", PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS},
-    Event{"cycles", PERF_TYPE_HARDWARE, PERF_COUNT_HW_CPU_CYCLES},
-    Event{"cache_references", PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_REFERENCES},
-    Event{"cache_misses", PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_MISSES},
-    Event{"l1d_read_misses", PERF_TYPE_HW_CACHE, l1d_read_miss},
-    Event{"branch_misses", PERF_TYPE_HARDWARE, PERF_COUNT_HW_BRANCH_MISSES},
+constexpr std::array all{
+    HardwareEvent{"instructions", PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS},
+    HardwareEvent{"cycles", PERF_TYPE_HARDWARE, PERF_COUNT_HW_CPU_CYCLES},
+    HardwareEvent{"cache_references", PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_REFERENCES},
+    HardwareEvent{"cache_misses", PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_MISSES},
+    HardwareEvent{"l1d_read_misses", PERF_TYPE_HW_CACHE, l1d_read_miss},
+    HardwareEvent{"branch_misses", PERF_TYPE_HARDWARE, PERF_COUNT_HW_BRANCH_MISSES},
 };
 
-int open_event(const Event& event) {
+int open_event(const HardwareEvent& event) {
   perf_event_attr wanted{};
   wanted.size = sizeof wanted;
   wanted.type = event.type;
@@ -43,9 +37,13 @@ int open_event(const Event& event) {
 
 }  // namespace
 
-HardwareCounters::HardwareCounters() {
+std::span<const HardwareEvent> hardware_events() {
+  return all;
+}
+
+HardwareCounters::HardwareCounters(std::span<const HardwareEvent> events) {
   int error = 0;
-  for (const Event& event : events) {
+  for (const HardwareEvent& event : events) {
     const int descriptor = open_event(event);
     if (descriptor < 0) {
       error = errno;

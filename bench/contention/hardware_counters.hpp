@@ -3,18 +3,29 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace irt::contention {
 
-/// Counts the events of all threads that are started after it was made, through perf_event_open(2):
+/// What is counted, as perf_event_open(2) calls it.
+struct HardwareEvent {
+  std::string_view name;
+  std::uint32_t type = 0;
+  std::uint64_t config = 0;
+};
+
 /// instructions, cycles, cache_references and cache_misses (as the processor's maker understands
 /// them, usually of the last level), l1d_read_misses, branch_misses.
+std::span<const HardwareEvent> hardware_events();
+
+/// Counts events of all threads that are started after it was made, in user mode; those that the
+/// system does not let us count are left out.
 class HardwareCounters {
  public:
-  HardwareCounters();
+  explicit HardwareCounters(std::span<const HardwareEvent> events = hardware_events());
   HardwareCounters(const HardwareCounters&) = delete;
   HardwareCounters& operator=(const HardwareCounters&) = delete;
   ~HardwareCounters();

@@ -1,11 +1,14 @@
 // The pitfalls that other benchmarks fell into, each as a test.
 #include "bench/contention/measurement.hpp"
 
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <linux/perf_event.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -275,6 +278,33 @@ TEST(Resources, HardwareCountersCountOrSayWhyNot) {
   if (figures.contains("instructions")) {
     EXPECT_GE(figures["instructions"].get<double>(), 2e6);
   }
+}
+
+TEST(Resources, EventsAreThoseOfThreadsStartedLater) {
+  // The kernel's own events, which virtual machines have, too, and one that does not exist.
+  constexpr std::array events{
+      HardwareEvent{"task_clock", PERF_TYPE_SOFTWARE, PERF_COUNT_SW_TASK_CLOCK},
+      HardwareEvent{"no_such_event", PERF_TYPE_SOFTWARE, 12'345}};
+  HardwareCounters counters(events);
+  if (!counters.missing().empty()) GTEST_SKIP() << counters.missing();
+  const auto busy_ms = [] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+  };
+  const auto work_20_ms = [&] {
+    while (busy_ms() < 20) busy_wait(1000);
+  };
+  std::thread(work_20_ms).join();
+  counters.start();
+  std::thread first(work_20_ms), second(work_20_ms);
+  first.join();
+  second.join();
+  const auto figures = counters.read();
+  EXPECT_FALSE(figures.contains("no_such_event"));
+  EXPECT_GE(figures["task_clock"].get<double>(),
+            39e6);  // nanoseconds, of both and not of the one before
+  EXPECT_LE(figures["task_clock"].get<double>(), 55e6);
 }
 
 TEST(Resources, MemoryThatAQueueTakesIsSeen) {
