@@ -37,6 +37,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, queues, scenarios, threads, work, place
                                    seed, plugins, shard, shards)
 
 /// A line of the results: one queue in one cell. Lines of a cell differ in the queue only.
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON does not throw
 struct Row {
   unsigned cell = 0;
   std::string queue, scenario;
