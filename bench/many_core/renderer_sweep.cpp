@@ -38,6 +38,7 @@ Json merged(const std::vector<Json>& results) {
   run["status"] = "ok";
   run["message"] = "";
   std::vector<double> fps;
+  fps.reserve(results.size());
   for (const Json& result : results) fps.push_back(result["fps"]);
   const MeanInterval interval = mean_interval(fps);
   run["fps"] = interval.mean;

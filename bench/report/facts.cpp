@@ -16,7 +16,7 @@ std::string shown(const Json& object, const char* key) {
   return found->is_number_float() ? fmt::format("{:.4g}", found->get<double>()) : found->dump();
 }
 
-std::string or_not_recorded(std::string text) {
+std::string or_not_recorded(const std::string& text) {
   return text.empty() ? not_recorded : text;
 }
 

@@ -177,7 +177,7 @@ FileContents read_lines(const std::string& text, const std::filesystem::path& fi
   FileContents contents{Json::array(), {}};
   const Json header = lines.front();
   const std::string format = header.is_object() ? header.value("format", "") : "";
-  std::size_t done = lines.size();
+  std::size_t done = 0;
   if (format == journal_format) {
     std::vector<Sample> samples;
     for (std::size_t i = 1; i < lines.size(); ++i) samples.push_back(lines[i].get<Sample>());
