@@ -52,6 +52,7 @@ TEST(Comparison, RoundsOfOneSweepArePairedAndThoseOfTwoAreNot) {
   // Each is 2 % faster in its round, and the rounds differ by far more.
   const std::vector<double> pace{10, 20, 30, 40, 50, 60, 70};
   std::vector<double> faster;
+  faster.reserve(pace.size());
   for (const double one : pace) faster.push_back(one * 1.02 + one * one * 1e-6);
   const std::vector<unsigned> all{0, 1, 2, 3, 4, 5, 6};
   const json one_sweep{round_of("lock", "noon", pace, all), round_of("lfree", "noon", faster, all)};

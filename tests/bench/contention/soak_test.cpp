@@ -1,4 +1,5 @@
 // What must hold of the figures, seen on the machine itself. Some minutes.
+#include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -75,7 +76,7 @@ TEST(Soak, ATwinThatIsFivePerCentSlowerIsFoundAtThirtyRepetitions) {
   const double plain = median(undisturbed[0]["samples"].get<std::vector<double>>());
   const double slowed = median(undisturbed[1]["samples"].get<std::vector<double>>());
   const double operation = 1 / plain, step = (1 / slowed - 1 / plain) / 100;
-  const auto steps = static_cast<unsigned>(0.05 * operation / step + 0.5);
+  const auto steps = static_cast<unsigned>(std::lround(0.05 * operation / step));
   std::printf("an operation takes %.1f ns, a step %.2f ns per operation: %u steps\n",
               operation * 1e9, step * 1e9, steps);
   ASSERT_GT(steps, 0U);

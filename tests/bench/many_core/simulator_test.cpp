@@ -217,7 +217,9 @@ TEST(Simulator, a_crash_takes_nothing_with_it) {
       3, 2, 0.5,
       [](std::size_t i) -> std::string {
         if (i == 0) std::abort();
-        while (i == 1) pause();
+        if (i == 1) {
+          for (;;) pause();
+        }
         return "done";
       },
       [&](std::size_t i, const ChildResult& child) { ended[i] = child.status; }, never_interrupted);
