@@ -11,6 +11,7 @@
 namespace irt {
 
 /// What all runs of one workload have in common.
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON does not throw
 struct Background {
   WorkloadOptions workload;
   std::size_t triangles = 0;

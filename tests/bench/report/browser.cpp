@@ -18,7 +18,7 @@ std::filesystem::path chromium() {
   const char* path = std::getenv("PATH");
   std::istringstream directories(path != nullptr ? path : "");
   for (std::string directory; std::getline(directories, directory, ':');) {
-    const auto file = std::filesystem::path(directory) / "chromium";
+    auto file = std::filesystem::path(directory) / "chromium";
     if (access(file.c_str(), X_OK) == 0) return file;
   }
   return {};

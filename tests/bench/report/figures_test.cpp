@@ -86,7 +86,7 @@ TEST_F(FiguresTest, SimulatedRunsStandBesideMeasuredOnesAndAreMarked) {
 TEST_F(FiguresTest, SimulatedFramesStandBesideMeasuredOnes) {
   Json runs =
       Json::array({synthetic::frames("lock", 1, 256, 9), synthetic::frames("lock", 2, 256, 17)});
-  for (const unsigned threads : {1, 64}) {
+  for (const unsigned threads : {1U, 64U}) {
     Json run{{"kind", "simulated"}, {"source", "simulated"}, {"machine", "big"},
              {"queue", "lock"},     {"scene", "office"},     {"scenario", "renderer"},
              {"threads", threads},  {"task_size", 256},      {"packet_width", 0},
@@ -103,8 +103,8 @@ TEST_F(FiguresTest, SimulatedFramesStandBesideMeasuredOnes) {
 
 TEST_F(FiguresTest, TaskSizesAreAFigureOfTheirOwn) {
   Json runs = Json::array();
-  for (const unsigned size : {1, 16, 256}) {
-    for (const unsigned threads : {1, 2}) {
+  for (const unsigned size : {1U, 16U, 256U}) {
+    for (const unsigned threads : {1U, 2U}) {
       for (const char* queue : {"lock", "lfree"}) {
         runs.push_back(synthetic::frames(queue, threads, size, 10.0 * threads + size / 100.0));
       }
@@ -138,7 +138,7 @@ TEST_F(FiguresTest, NoLineHasTwoPointsAtOnePlace) {
   // Producers and consumers usually follow from scenario and threads. Here they do not.
   Json runs = Json::array();
   for (const auto& [producers, consumers] : {std::pair(1, 7), std::pair(4, 4), std::pair(7, 1)}) {
-    for (const unsigned work : {0, 100}) {
+    for (const unsigned work : {0U, 100U}) {
       Json run = synthetic::operations("lock", 8, 1e6 * producers);
       run["producers"] = producers;
       run["consumers"] = consumers;

@@ -26,8 +26,8 @@ Json all_runs() {
   hung["message"] = "</script><img src=x onerror=alert(2)>";
   hung["operations_per_second"] = nullptr;
   runs.push_back(std::move(hung));
-  for (const unsigned task_size : {1, 4, 16, 64, 256, 1000}) {
-    for (const unsigned threads : {1, 2, 4}) {
+  for (const unsigned task_size : {1U, 4U, 16U, 64U, 256U, 1000U}) {
+    for (const unsigned threads : {1U, 2U, 4U}) {
       const double size = task_size;
       const double fps = 9.0 * threads * size / (size + 10) * 1000 / (1000 + size);
       runs.push_back(synthetic::frames("lock", threads, task_size, fps));
@@ -155,7 +155,9 @@ TEST_F(PageTest, TablesSortByNumberWithWhatIsMissingLast) {
                             "]).map(c => c.title === '' ? c.textContent : "
                             "Number(c.title))";
   for (const bool down : {false, true}) {
-    ask(table + ".querySelectorAll('th button')[" + column + "].click()");
+    std::string click = table;
+    click.append(".querySelectorAll('th button')[").append(column).append("].click()");
+    ask(click);
     const auto values = ask(cells);
     ASSERT_GT(values.size(), 20u);
     EXPECT_EQ(values.back(), "not measured");

@@ -29,7 +29,7 @@ class ReadingTest : public testing::Test {
     try {
       read({file});
     } catch (const ResultError& error) {
-      const std::string said = error.what();
+      std::string said = error.what();
       EXPECT_TRUE(said.starts_with(file.string())) << said;
       EXPECT_EQ(std::ranges::count(said, '\n'), 0) << said;
       return said;
