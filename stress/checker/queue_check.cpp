@@ -89,7 +89,7 @@ class QueueCheck {
 
   QueueResult run() {
     all_.unseen = module_.unseen_calls();
-    all_.unseen_instructions = Symbols(module_).unseen_instructions();
+    if (settings_.reports) all_.unseen_instructions = Symbols(module_).unseen_instructions();
     // Proofs first, of all shapes; then samples of those that were too large for one. Who finishes
     // early leaves the time to the rest.
     const auto open = search_all(shapes_, settings_.search.value_or(Search::exhaustive),
