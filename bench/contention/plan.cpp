@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <set>
 
-#include "bench/conditions/baselines.hpp"
 #include "bench/conditions/claims.hpp"
 #include "bench/contention/busy_wait.hpp"
 #include "bench/contention/counting.hpp"
 #include "bench/contention/subject.hpp"
 #include "bench/frames/usage_error.hpp"
+#include "queues/baselines/baselines.hpp"
 
 namespace irt::contention {
 namespace {

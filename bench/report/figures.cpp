@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "bench/conditions/baselines.hpp"
 #include "bench/report/metrics.hpp"
+#include "queues/baselines/baselines.hpp"
 
 namespace irt {
 namespace {
