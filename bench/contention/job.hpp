@@ -78,13 +78,14 @@ struct Sample {
   double clock_ns = 0;  ///< between two stamps with nothing between them; of a stamped pass
   std::uint64_t context_switches = 0;
   std::uint64_t memory_peak_bytes = 0;  ///< resident, above what was before the queue was made
-  std::uint64_t memory_held_bytes = 0;  ///< allocated since then and not freed when threads stopped
-  nlohmann::json energy_joules;         ///< null where there is no meter
-  nlohmann::json counters;              ///< by name; null where none can be read
-  std::vector<std::string> missing;     ///< why figures are null, a line each
-  Times push_times, pop_times;          ///< of a stamped pass
-  AtomicEvents events;                  ///< of a counted pass, warm-up included, as are
-  std::uint64_t all_operations = 0;     ///< these: pushes and pops that succeeded
+  nlohmann::json memory_held_bytes;  ///< allocated since then and not freed when threads stopped;
+                                     ///< null where the allocator does not say
+  nlohmann::json energy_joules;      ///< null where there is no meter
+  nlohmann::json counters;           ///< by name; null where none can be read
+  std::vector<std::string> missing;  ///< why figures are null, a line each
+  Times push_times, pop_times;       ///< of a stamped pass
+  AtomicEvents events;               ///< of a counted pass, warm-up included, as are
+  std::uint64_t all_operations = 0;  ///< these: pushes and pops that succeeded
 
   std::uint64_t operations() const { return pushes + pops; }
 };

@@ -109,7 +109,7 @@ class Measurement {
     }
     for (std::thread& thread : threads_) thread.join();
     sample_.memory_peak_bytes = memory_->peak_bytes();
-    sample_.memory_held_bytes = memory_->held_bytes();
+    if (const auto held = memory_->held_bytes()) sample_.memory_held_bytes = *held;
     sample_.all_operations = look(table_).sums.operations();
     if (stamped()) {
       sample_.push_times = times(&Seat::push_times);

@@ -24,11 +24,13 @@ class MemoryUse {
   /// The most that was resident, above what was at construction.
   std::uint64_t peak_bytes() const;
   /// What the C library's allocator has given out since construction and not got back, by its own
-  /// books (mallinfo2(3)). What a queue maps by itself is not in them.
-  std::uint64_t held_bytes() const;
+  /// books (mallinfo2(3)). What a queue maps by itself is not in them; nothing where another
+  /// allocator (LD_PRELOAD, a sanitizer's) has taken its place.
+  std::optional<std::uint64_t> held_bytes() const;
 
  private:
-  std::uint64_t resident_before_ = 0, allocated_before_ = 0;
+  std::uint64_t resident_before_ = 0;
+  std::optional<std::uint64_t> allocated_before_;
 };
 
 /// The energy counters of the processor packages (RAPL), as the kernel shows them.

@@ -78,11 +78,12 @@ Json counters(const std::vector<Sample>& samples) {
   return figures;
 }
 
-std::optional<double> joules(const std::vector<Sample>& samples) {
-  const bool readable = std::ranges::none_of(
-      samples, [](const Sample& sample) { return sample.energy_joules.is_null(); });
-  if (!readable) return std::nullopt;
-  return mean_of(samples, [](const Sample& s) { return s.energy_joules.get<double>(); });
+/// The mean of a figure that cannot be read everywhere; null where one sample lacks it.
+Json mean_if_read(const std::vector<Sample>& samples, nlohmann::json Sample::*figure) {
+  const bool read = std::ranges::none_of(
+      samples, [figure](const Sample& sample) { return (sample.*figure).is_null(); });
+  if (!read) return nullptr;
+  return or_null(mean_of(samples, [figure](const Sample& s) { return (s.*figure).get<double>(); }));
 }
 
 /// What the counting build did for each operation that succeeded; null where there is none.
@@ -188,9 +189,8 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"context_switches_per_second", rate(&Sample::context_switches)},
       {"memory_peak_bytes",
        mean_figure([](const Sample& s) { return static_cast<double>(s.memory_peak_bytes); })},
-      {"memory_held_bytes",
-       mean_figure([](const Sample& s) { return static_cast<double>(s.memory_held_bytes); })},
-      {"energy_joules", or_null(joules(samples))},
+      {"memory_held_bytes", mean_if_read(samples, &Sample::memory_held_bytes)},
+      {"energy_joules", mean_if_read(samples, &Sample::energy_joules)},
       {"counters", counters(samples)},
       {"claims", row.claims},
       {"allocator", allocator()},
