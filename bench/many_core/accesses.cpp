@@ -28,13 +28,6 @@ void write_memory(std::uintptr_t address, std::size_t size, Value value) {
   *reinterpret_cast<volatile std::uint64_t*>(address) = static_cast<std::uint64_t>(value);
 }
 
-// As virtual_cores::apply; inline, for tickets and counters.
-Value result_of(Operation operation, Value before, Value operand, std::size_t size) {
-  if (size == 8 && operation == Operation::add)
-    return static_cast<std::uint64_t>(before) + static_cast<std::uint64_t>(operand);
-  return virtual_cores::apply(operation, before, operand, size);
-}
-
 // The bytes of a line that an access uses, a bit each.
 std::uint64_t bytes_of(std::uintptr_t address, std::size_t size) {
   const std::uint64_t mask =
@@ -169,7 +162,7 @@ Value Machine::modify(const Access& access, Operation operation, Value operand) 
   Thread& me = current();
   Line& line = own(me, access, true);
   const Value before = read_memory(access.address, access.size);
-  const Value after = result_of(operation, before, operand, access.size);
+  const Value after = virtual_cores::apply(operation, before, operand, access.size);
   write_memory(access.address, access.size, after);
   finish_update(me, line, before != after);
   return before;

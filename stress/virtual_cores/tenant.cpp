@@ -14,27 +14,6 @@
 
 namespace irt::virtual_cores {
 
-Value apply(Operation operation, Value old_value, Value operand, std::size_t size) {
-  const Value mask = size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
-  switch (operation) {
-    case Operation::exchange:
-      return operand & mask;
-    case Operation::add:
-      return (old_value + operand) & mask;
-    case Operation::sub:
-      return (old_value - operand) & mask;
-    case Operation::bit_and:
-      return old_value & operand;
-    case Operation::bit_or:
-      return old_value | operand;
-    case Operation::bit_xor:
-      return old_value ^ operand;
-    case Operation::bit_nand:
-      return ~(old_value & operand) & mask;
-  }
-  std::abort();
-}
-
 Value read_memory(std::uintptr_t address, std::size_t size) {
   const auto* memory = reinterpret_cast<const void*>(address);
   if (size == 8) {  // nearly always; a copy of known size needs no call

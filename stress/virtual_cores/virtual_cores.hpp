@@ -3,10 +3,11 @@
 ///
 /// Who would explore or simulate concurrent code does three things:
 ///
-///     class Mine : public irt::virtual_cores::Tenant { ... };       // what happens at each event
-///     irt::virtual_cores::Module module("libmy_queue.so");          // made by
-///     irt_virtual_module() irt::virtual_cores::Cores cores(tenant, 4);                   // four
-///     virtual cores cores.arm(0, entry, argument); ... cores.run(0);
+///     class Mine : public Tenant { ... };  // what happens at each event
+///     Module module("libmy_queue.so");     // made by irt_virtual_module()
+///     Cores cores(tenant, 4);              // four virtual cores
+///     cores.arm(0, entry, argument);
+///     cores.run(0);
 ///
 /// The code sees std::atomic, std::mutex, pthread, malloc and thread_local as always; nothing in
 /// its source knows of virtual cores. `irt_virtual_module` (CMake) compiles it with the
@@ -23,6 +24,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,7 +48,26 @@ constexpr bool releases(Order order) {
 enum class Operation : std::uint8_t { exchange, add, sub, bit_and, bit_or, bit_xor, bit_nand };
 
 /// The result of `operation` on `size` bytes.
-Value apply(Operation operation, Value old_value, Value operand, std::size_t size);
+inline Value apply(Operation operation, Value old_value, Value operand, std::size_t size) {
+  const Value mask = size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
+  switch (operation) {
+    case Operation::exchange:
+      return operand & mask;
+    case Operation::add:
+      return (old_value + operand) & mask;
+    case Operation::sub:
+      return (old_value - operand) & mask;
+    case Operation::bit_and:
+      return old_value & operand;
+    case Operation::bit_or:
+      return old_value | operand;
+    case Operation::bit_xor:
+      return old_value ^ operand;
+    case Operation::bit_nand:
+      return ~(old_value & operand) & mask;
+  }
+  std::abort();
+}
 
 /// `size` bytes of real memory as a value, and back.
 Value read_memory(std::uintptr_t address, std::size_t size);
