@@ -36,7 +36,7 @@ struct ShapeResult {
 struct QueueResult {
   std::vector<ShapeResult> shapes;
   std::vector<std::string> unseen;               ///< calls into code that the checker does not see
-  std::vector<std::string> unseen_instructions;  ///< see Symbols
+  std::vector<std::string> unseen_instructions;  ///< see Symbols; left empty without `reports`
   bool found = false;
 };
 
