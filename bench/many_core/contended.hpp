@@ -10,6 +10,7 @@ struct Contended {
   const char* summary;
   void* (*make)(unsigned threads);
   void (*step)(void* object, unsigned thread);
+  bool waits = false;  ///< a step may wait for another thread's, for ever if that is the last one
 };
 
 /// All of them, by the module's `irt_contended`.

@@ -8,6 +8,11 @@
 #include "bench/many_core/contended.hpp"
 #include "queues/cache_line.hpp"
 
+#if __has_include(<atomic_queue/atomic_queue.h>)
+#include <atomic_queue/atomic_queue.h>
+#define IRT_ATOMIC_QUEUE
+#endif
+
 namespace irt::many_core {
 namespace {
 
@@ -95,6 +100,23 @@ void ticket_add(void* object, unsigned) {
   lock.serving.store(mine + 1, std::memory_order_release);
 }
 
+#ifdef IRT_ATOMIC_QUEUE
+// What their author measures with: push and pop that take a ticket by fetch-and-add and wait for
+// its slot. They are no plug-in, for a pop from an empty queue never ends.
+using WordRing = atomic_queue::AtomicQueue<unsigned, 65536>;
+using StateRing = atomic_queue::AtomicQueue2<unsigned, 65536>;
+
+template <class Ring>
+void push_or_pop(void* object, unsigned thread) {
+  auto& ring = *static_cast<Ring*>(object);
+  if (thread % 2 == 0) {
+    ring.push(1);
+  } else {
+    ring.pop();
+  }
+}
+#endif
+
 template <class T>
 void* make_one(unsigned) {
   return new T;
@@ -113,6 +135,12 @@ constexpr std::array all{
               neighbour_add},
     Contended{"mutex-counter", "std::mutex around a counter", make_one<Guarded>, guarded_add},
     Contended{"ticket-lock", "ticket lock around a counter", make_one<Ticket>, ticket_add},
+#ifdef IRT_ATOMIC_QUEUE
+    Contended{"optimist-ring", "atomic_queue's OptimistAtomicQueue, every other thread pushes",
+              make_one<WordRing>, push_or_pop<WordRing>, true},
+    Contended{"optimist-ring-2", "the same of OptimistAtomicQueue2", make_one<StateRing>,
+              push_or_pop<StateRing>, true},
+#endif
 };
 
 }  // namespace

@@ -8,6 +8,7 @@ Directory::Directory(const Profile& p, EventQueue& events, std::uint64_t seed)
     : topology_(p),
       events_(events),
       conflict_(picoseconds(p.conflict)),
+      residence_(picoseconds(p.residence)),
       read_occupancy_(picoseconds(p.read_occupancy)),
       per_sharer_(picoseconds(p.invalidate_per_sharer)),
       far_(picoseconds(p.far_atomic)),
@@ -184,7 +185,7 @@ Directory::Served Directory::serve(Line& line, Time now) {
       done = std::max(done, line.read_done);
       line.drop_sharers();
       line.owner = line.last = core;
-      line.available = done + (request.posted ? store_ : rmw_);
+      line.available = done + std::max(residence_, request.posted ? store_ : rmw_);
       break;
     case Want::far:
       // The operation is done at the home as soon as the owner has given the line up; the answer

@@ -133,7 +133,7 @@ class Directory {
   // By distance: of a line with an owner, of a clean copy; the same with the home elsewhere.
   std::array<std::array<Way, distances>, 4> ways_{};
   Way from_memory_;
-  Time conflict_, read_occupancy_, per_sharer_, far_, bus_, rmw_, store_;
+  Time conflict_, residence_, read_occupancy_, per_sharer_, far_, bus_, rmw_, store_;
   unsigned bypass_;
   std::vector<Time> bus_free_;
   Random random_;

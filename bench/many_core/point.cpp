@@ -72,6 +72,8 @@ class Run {
                                  [this](unsigned thread) { act(thread); });
     // A queue whose pop waits leaves its consumers asleep at the end.
     if (ending.kind == Ending::Kind::asleep && machine_.last_clock() >= begin) ending = {};
+    if (ending.kind == Ending::Kind::late && primitive_ != nullptr && primitive_->waits)
+      ending = {};
     if (ending.kind == Ending::Kind::finished) check_conservation(ending);
     return ending;
   }
@@ -99,7 +101,7 @@ class Run {
           if (push(thread, me)) pop(thread, me);
           break;
         case Scenario::sides:
-          thread < point_.producers ? push(thread, me) : pop(thread, me);
+          pushes(thread) ? push(thread, me) : pop(thread, me);
           break;
         case Scenario::bursts:
           for (std::size_t i = 0; i < burst_ && push(thread, me);) ++i;
@@ -115,6 +117,10 @@ class Run {
     }
   }
 
+  bool pushes(unsigned thread) const {
+    return point_.alternating ? thread % 2 == 0 : thread < point_.producers;
+  }
+
   // Repeats `operation` until it succeeds or time is up; then works.
   template <class Operation>
   bool attempt(unsigned thread, Worker& me, Tally& tally, Operation operation) {
@@ -123,6 +129,7 @@ class Run {
     bool done = operation();
     while (!done && !machine_.over()) {
       machine_.count_failure();
+      if (point_.pauses) machine_.pause();
       done = operation();
     }
     const Time end = machine_.clock();

@@ -28,8 +28,10 @@ struct Point {
   std::filesystem::path module;  ///< where its code is
   Scenario scenario = Scenario::pairs;
   unsigned threads = 1;
-  unsigned producers = 0;  ///< of `sides`; the other threads pop
+  unsigned producers = 0;    ///< of `sides`; the other threads pop
+  bool alternating = false;  ///< every other thread pushes, so that roles are spread alike
   double work_ns = 0;
+  bool pauses = false;  ///< the instruction `pause` after an operation that failed
   std::size_t capacity = 65536;
   Placement placement = Placement::close;
   double warm_up_ns = 200e3, measured_ns = 1e6;

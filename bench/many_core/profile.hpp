@@ -72,6 +72,9 @@ struct Profile {
   double home_remote = 0;
   double overlap = 0;         ///< share of a transfer that passes while the line is still busy
   double conflict = 0;        ///< added to a transfer where other requests wait for the line
+  /// How long a core that was given a line to write has it at least, whoever asks: operations that
+  /// follow at once are hits.
+  double residence = 0;
   double read_occupancy = 0;  ///< how long a read keeps the line's home busy
   double invalidate_per_sharer = 0;
   double bypass = 0;         ///< requests of the owner's socket that may overtake another socket's

@@ -122,8 +122,7 @@ void print_rankings(const std::vector<Published>& all) {
     for (const Published& b : all) {
       const bool comparable = a.source == b.source && a.task.profile == b.task.profile &&
                               a.kind != "primitive" && b.kind != "primitive" &&
-                              a.task.point.threads == b.task.point.threads &&
-                              a.task.point.scenario == b.task.point.scenario;
+                              a.task.point.threads == b.task.point.threads;
       if (!comparable || a.measured < clear_gap * b.measured || a.task.point.threads < 3) continue;
       if (a.simulated > b.simulated) {
         ++right;
@@ -169,7 +168,9 @@ int validate(const SweepOptions& options, const std::atomic<bool>& interrupted) 
                .scenario = scenario,
                .threads = sides ? producers + consumers : producers,
                .producers = producers,
+               .alternating = row.value("alternating", false),
                .work_ns = row["work_ns"],
+               .pauses = row.value("pauses", false),
                .capacity = row["capacity"],
                .placement = parse_placement(row["placement"].get<std::string>()),
                .warm_up_ns = options.measured_ns / 5,
