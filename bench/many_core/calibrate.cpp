@@ -209,6 +209,19 @@ void write_conflict(Author& author, const Profile& profile, const std::vector<Pl
                "and hit");
 }
 
+// Operations at 0, 1, 2... hits are done as long as they begin before the line is gone: of a
+// residence of x hits, x + 1/2 on average.
+void write_residence(Author& author, const Profile& profile, const std::vector<Place>& places) {
+  const std::vector<Cpu> cpus = neighbours(profile, places);
+  if (cpus.size() < 2) return;
+  const Spread run = measure_run(cpus[0], cpus[1]);
+  if (run.bursts == 0) return;
+  const double hit = profile.rmw_hit;
+  author.write(
+      "residence", {run.median * hit, run.low * hit, run.high * hit, run.bursts, run.dropped},
+      fmt::format("two cores in tight loops get {:.1f} fetch-and-adds done in a row", run.median));
+}
+
 void write_wake(Author& author, const std::vector<Place>& places, Calibration& calibration) {
   const auto other = std::ranges::find_if(
       places, [&](const Place& place) { return place.core != places[0].core; });
@@ -337,6 +350,7 @@ Calibration calibrate(const std::string& name, const std::string& date) {
   }
   const Distances found = write_transfers(author, profile, places, calibration);
   write_conflict(author, profile, places, found, calibration);
+  write_residence(author, profile, places);
   write_wake(author, places, calibration);
   calibration.remarks.push_back(
       "assumed, not measured: overlap, read_occupancy, what an invalidation adds, bypass, far "

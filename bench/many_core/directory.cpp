@@ -60,9 +60,10 @@ void Directory::grow() {
   }
 }
 
-// Uniform within a tenth of `time`.
-Time Directory::vary(Time time) {
-  return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) / 10240;
+// Uniform within a share of `time`.
+Time Directory::vary(Time time, Share share) {
+  return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) /
+                    (1024 * static_cast<Time>(share));
 }
 
 const Directory::Way& Directory::way(unsigned from, unsigned to, unsigned home, bool clean) const {
@@ -185,7 +186,7 @@ Directory::Served Directory::serve(Line& line, Time now) {
       done = std::max(done, line.read_done);
       line.drop_sharers();
       line.owner = line.last = core;
-      line.available = done + std::max(residence_, request.posted ? store_ : rmw_);
+      line.available = done + std::max(vary(residence_, half), request.posted ? store_ : rmw_);
       break;
     case Want::far:
       // The operation is done at the home as soon as the owner has given the line up; the answer

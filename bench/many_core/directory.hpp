@@ -121,7 +121,8 @@ class Directory {
   };
 
   void grow();
-  Time vary(Time time);
+  enum Share : std::uint8_t { half = 2, tenth = 10 };
+  Time vary(Time time, Share share = tenth);
   const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const;
   const Way& way_to(const Line& line, unsigned core) const;
   Time pass_bus(const Line& line, const Request& request, Time start);

@@ -419,4 +419,31 @@ Spread measure_contended(const std::vector<Cpu>& cpus, double work_ns) {
   return summarise(std::move(samples));
 }
 
+Spread measure_run(Cpu a, Cpu b) {
+  constexpr unsigned bursts = 200, per_burst = 2000;
+  Line line;
+  std::vector<double> samples;
+  std::atomic<bool> stop{false};
+  side_by_side(
+      a, b,
+      [&] {
+        std::uint64_t last = 0;
+        for (unsigned i = 0; i < bursts; ++i) {
+          unsigned runs = 0;
+          for (unsigned k = 0; k < per_burst; ++k) {
+            const std::uint64_t mine = line.word.fetch_add(1, std::memory_order_relaxed);
+            runs += mine != last + 1 ? 1 : 0;
+            last = mine;
+          }
+          samples.push_back(static_cast<double>(per_burst) / std::max(runs, 1U));
+        }
+        stop.store(true, std::memory_order_relaxed);
+      },
+      [&] {
+        while (!stop.load(std::memory_order_relaxed))
+          line.word.fetch_add(1, std::memory_order_relaxed);
+      });
+  return summarise(std::move(samples));
+}
+
 }  // namespace irt::many_core

@@ -55,4 +55,8 @@ Wake measure_wake(Cpu waker, Cpu sleeper);
 /// between those of one core.
 Spread measure_contended(const std::vector<Cpu>& cpus, double work_ns);
 
+/// How many fetch-and-adds in a row one of two cores gets done on a line that both want all the
+/// time; no nanoseconds.
+Spread measure_run(Cpu a, Cpu b);
+
 }  // namespace irt::many_core

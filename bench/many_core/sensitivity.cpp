@@ -26,7 +26,7 @@ struct Variant {
 
 // The usual ranges, where the profile does not give one of its own:
 // transfers by a quarter, the share of a transfer that overlaps, what a conflict and a read cost,
-// who may overtake, and how long waking takes.
+// how long an owner has a line, who may overtake, and how long waking takes.
 std::vector<Variant> variants_of(const Profile& base) {
   std::vector<Variant> all{{"", base}};
   for (const double scale : {0.75, 1.25}) {
@@ -40,6 +40,7 @@ std::vector<Variant> variants_of(const Profile& base) {
   };
   for (const auto& [name, figure, low, high] :
        {Range{"overlap", &Profile::overlap, 0.1, 0.5}, Range{"conflict", &Profile::conflict, 0, 35},
+        Range{"residence", &Profile::residence, 0, 20},
         Range{"read_occupancy", &Profile::read_occupancy, 5, 25},
         Range{"bypass", &Profile::bypass, 0, 8},
         Range{"kernel.wake_latency", &Profile::wake_latency, 2000, 6000}}) {
@@ -111,7 +112,7 @@ int sensitivity(const SweepOptions& options, const std::atomic<bool>& interrupte
   };
   Json conclusions = Json::array();
   fmt::print(
-      "simulated; each conclusion over the ranges of transfer, overlap, conflict, "
+      "simulated; each conclusion over the ranges of transfer, overlap, conflict, residence, "
       "read_occupancy, bypass and wake_latency\n");
   for (const Variant& base : variants) {
     if (!base.name.empty()) continue;

@@ -55,18 +55,22 @@ Point queue(const std::string& name, Scenario scenario, unsigned threads) {
 }
 
 // In a process of its own, as every simulation.
-nlohmann::json run(const Point& point, std::uint64_t seed = 1, bool explain = false) {
+nlohmann::json run(const Profile& profile, const Point& point, std::uint64_t seed = 1,
+                   bool explain = false) {
   nlohmann::json result;
   const std::atomic<bool> never_interrupted{false};
   run_in_children(
-      1, 1, 60,
-      [&](std::size_t) { return simulate(simple_machine(), point, seed, explain).dump(); },
+      1, 1, 60, [&](std::size_t) { return simulate(profile, point, seed, explain).dump(); },
       [&](std::size_t, const ChildResult& child) {
         ASSERT_EQ(child.status, "ok") << child.message << child.text;
         result = nlohmann::json::parse(child.text);
       },
       never_interrupted);
   return result;
+}
+
+nlohmann::json run(const Point& point, std::uint64_t seed = 1, bool explain = false) {
+  return run(simple_machine(), point, seed, explain);
 }
 
 double operations_per_us(const nlohmann::json& result) {
@@ -96,6 +100,18 @@ TEST(Simulator, fetch_and_add_follows_its_closed_form) {
           << threads << " threads, " << work << " ns of work";
     }
   }
+}
+
+TEST(Simulator, an_owner_makes_the_operations_that_fit_into_its_residence) {
+  // At 0, 5, 10... of 6.5 to 19.5 ns: 3.1 on average; the line is free again when the last is done.
+  Profile profile = simple_machine();
+  profile.residence = 13;
+  EXPECT_NEAR(operations_per_us(run(profile, primitive("faa", 8, 0))) / (3100 / (45.0 + 10 + 15.5)),
+              1, 0.02);
+  // With work in between there is one at a time, and the line is kept for nothing.
+  EXPECT_NEAR(
+      operations_per_us(run(profile, primitive("faa", 32, 100))) / (1000 / (45.0 + 10 + 13)), 1,
+      0.02);
 }
 
 TEST(Simulator, compare_and_swap_loops_succeed_once_per_round) {
