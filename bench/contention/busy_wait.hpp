@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "bench/contention/random.hpp"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -55,15 +57,6 @@ inline std::uint64_t steps_for(double nanoseconds, const Pace& pace) {
 
 /// Nanoseconds that a wait of `steps` does take, the call included; the shortest of many rounds.
 double measure_wait_ns(std::uint64_t steps);
-
-/// A random number from one word of state, which may start anywhere (Steele, Lea and Flood 2014,
-/// SplitMix).
-inline std::uint64_t next_random(std::uint64_t& state) {
-  std::uint64_t z = (state += 0x9e3779b97f4a7c15U);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-  return z ^ (z >> 31);
-}
 
 /// The waits of one thread: all alike, or spread evenly around their mean.
 class Waits {

@@ -48,7 +48,7 @@ HardwareCounters::HardwareCounters(std::span<const HardwareEvent> events) {
     if (descriptor < 0) {
       error = errno;
     } else {
-      counters_.push_back({.name = event.name, .descriptor = descriptor, .begin = {}});
+      counters_.push_back({.name = event.name, .descriptor = descriptor, .begin = {}, .sum = {}});
     }
   }
   if (!counters_.empty()) return;
@@ -75,15 +75,22 @@ void HardwareCounters::start() {
   for (Counter& one : counters_) one.begin = read(one.descriptor);
 }
 
+void HardwareCounters::stop() {
+  for (Counter& one : counters_) {
+    const Reading end = read(one.descriptor);
+    one.sum.value += end.value - one.begin.value;
+    one.sum.enabled += end.enabled - one.begin.enabled;
+    one.sum.running += end.running - one.begin.running;
+  }
+}
+
 nlohmann::json HardwareCounters::read() const {
   nlohmann::json figures;
   for (const Counter& one : counters_) {
-    const Reading end = read(one.descriptor);
-    if (end.running <= one.begin.running) continue;
-    const auto enabled = static_cast<double>(end.enabled - one.begin.enabled);
-    const auto running = static_cast<double>(end.running - one.begin.running);
-    figures[std::string(one.name)] =
-        static_cast<double>(end.value - one.begin.value) * enabled / running;
+    if (one.sum.running == 0) continue;
+    figures[std::string(one.name)] = static_cast<double>(one.sum.value) *
+                                     static_cast<double>(one.sum.enabled) /
+                                     static_cast<double>(one.sum.running);
   }
   return figures;
 }

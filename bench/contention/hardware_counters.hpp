@@ -33,8 +33,10 @@ class HardwareCounters {
   /// Why there is nothing to read; empty where there is.
   const std::string& missing() const { return missing_; }
   void start();
-  /// By name, since `start()`; null where nothing can be read. Where the processor has fewer
-  /// counters than there are events, each is scaled up by the share of time it was counted.
+  void stop();
+  /// By name, between all pairs of `start()` and `stop()`; null where nothing can be read. Where
+  /// the processor has fewer counters than there are events, each is scaled up by the share of time
+  /// it was counted.
   nlohmann::json read() const;
 
  private:
@@ -44,7 +46,7 @@ class HardwareCounters {
   struct Counter {
     std::string_view name;
     int descriptor = -1;
-    Reading begin;
+    Reading begin, sum;
   };
   static Reading read(int descriptor);
 

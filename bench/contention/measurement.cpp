@@ -74,7 +74,8 @@ class Measurement {
   Measurement(const Job& job, const SubjectMaker& make)
       : job_(job),
         scenario_(*scenario_at(job.scenario).scenario),
-        table_(Cast{job.threads, job.producers, job.consumers}) {
+        table_(Cast{job.threads, job.producers, job.consumers}),
+        operations_(job.threads, 0) {
     table_.backlog = job.capacity;
     table_.pause_steps = steps_for(1000, job.pace);
     std::uint64_t seed = job.seed;
@@ -88,7 +89,8 @@ class Measurement {
     subject_ = make(job.threads, job.capacity, scenario_.program == Program::ping_pong);
   }
 
-  Sample run(const std::function<void(const Sample&)>& on_hang) {
+  Sample run(const std::function<void()>& await_turn,
+             const std::function<void(const Sample&)>& on_hang) {
     prefill();
     sample_.work_ns_measured =
         job_.work_ns > 0 ? measure_wait_ns(steps_for(job_.work_ns, job_.pace)) : 0;
@@ -98,7 +100,13 @@ class Measurement {
     }
     start();
     warm_up();
-    timed();
+    for (unsigned i = 0; i < job_.turns; ++i) {
+      await_turn();
+      std::this_thread::sleep_for(settling);
+      turn();
+    }
+    sum_up();
+    await_turn();
     table_.stop.store(true, std::memory_order_relaxed);
     if (!stopped_in_time()) {
       sample_.status = "hung";
@@ -205,27 +213,33 @@ class Measurement {
     if (!std::isfinite(sample_.variation)) sample_.variation = 0;  // which JSON does not know
   }
 
-  void timed() {
-    const Usage usage = usage_so_far();
+  void turn() {
     energy_.start();
     counters_.start();
+    const Usage usage = usage_so_far(threads_);
     const Snapshot begin = look(table_);
-    std::this_thread::sleep_until(begin.at + Seconds(job_.seconds));
+    std::this_thread::sleep_until(begin.at + Seconds(job_.seconds / job_.turns));
+    const Usage now = usage_so_far(threads_);
     const Snapshot end = look(table_);
-    sample_.counters = counters_.read();
-    if (const auto joules = energy_.joules()) sample_.energy_joules = *joules;
-    const Usage now = usage_so_far();
+    counters_.stop();
+    if (const auto joules = energy_.joules()) joules_ = joules_.value_or(0) + *joules;
 
-    sample_.seconds = Seconds(end.at - begin.at).count();
+    sample_.seconds += Seconds(end.at - begin.at).count();
     for (std::uint64_t Sample::*count : {&Sample::pushes, &Sample::pops, &Sample::failed_pushes,
                                          &Sample::failed_pops, &Sample::held_back}) {
-      sample_.*count = end.sums.*count - begin.sums.*count;
+      sample_.*count += end.sums.*count - begin.sums.*count;
     }
-    std::vector<std::uint64_t> operations = end.operations;
-    for (std::size_t i = 0; i < operations.size(); ++i) operations[i] -= begin.operations[i];
-    sample_.fairness = fairness(table_.cast, operations);
-    sample_.cpu_seconds = now.cpu_seconds - usage.cpu_seconds;
-    sample_.context_switches = now.context_switches - usage.context_switches;
+    for (std::size_t i = 0; i < operations_.size(); ++i) {
+      operations_[i] += end.operations[i] - begin.operations[i];
+    }
+    sample_.cpu_seconds += now.cpu_seconds - usage.cpu_seconds;
+    sample_.context_switches += now.context_switches - usage.context_switches;
+  }
+
+  void sum_up() {
+    sample_.fairness = fairness(table_.cast, operations_);
+    sample_.counters = counters_.read();
+    if (joules_) sample_.energy_joules = *joules_;
     for (const std::string& why : {energy_.missing(), counters_.missing()}) {
       if (!why.empty()) sample_.missing.push_back(why);
     }
@@ -290,6 +304,8 @@ class Measurement {
   const Scenario& scenario_;
   Table table_;
   std::vector<std::unique_ptr<Seat>> seats_;
+  std::vector<std::uint64_t> operations_;  // by thread, of all turns
+  std::optional<double> joules_;
   std::optional<MemoryUse> memory_;
   std::unique_ptr<Subject> subject_;
   EnergyMeter energy_;
@@ -305,9 +321,9 @@ class Measurement {
 
 }  // namespace
 
-Sample measure(const Job& job, const SubjectMaker& make,
+Sample measure(const Job& job, const SubjectMaker& make, const std::function<void()>& await_turn,
                const std::function<void(const Sample&)>& on_hang) {
-  return Measurement(job, make).run(on_hang);
+  return Measurement(job, make).run(await_turn, on_hang);
 }
 
 double measure_clock_ns(double ticks_per_nanosecond) {

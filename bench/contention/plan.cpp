@@ -8,6 +8,7 @@
 #include "bench/contention/busy_wait.hpp"
 #include "bench/contention/counting.hpp"
 #include "bench/contention/subject.hpp"
+#include "bench/contention/turns.hpp"
 #include "bench/frames/usage_error.hpp"
 #include "queues/baselines/baselines.hpp"
 
@@ -144,6 +145,7 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pa
           .capacity = row.capacity,
           .processors = row.placement.processors,
           .seconds = plan.seconds,
+          .turns = pass == Pass::plain ? turns_in(plan.seconds) : 1,
           .warmup_seconds = plan.warmup,
           .patience_seconds = plan.patience,
           .pass = pass,
@@ -166,12 +168,35 @@ std::vector<unsigned> order_of(const std::vector<Row>& rows, unsigned repetition
   for (std::size_t begin = 0; begin < rows.size();) {
     std::size_t end = begin;
     while (end < rows.size() && rows[end].cell == rows[begin].cell) ++end;
-    for (std::size_t left = end - begin; left > 1; --left) {  // Fisher and Yates
-      std::swap(order[begin + left - 1], order[begin + next_random(random) % left]);
-    }
+    shuffle(std::span(order).subspan(begin, end - begin), random);
     begin = end;
   }
   return order;
+}
+
+std::vector<std::vector<unsigned>> groups_of(const std::vector<unsigned>& order,
+                                             const std::vector<Row>& rows, double memory_bytes) {
+  std::vector<std::vector<unsigned>> groups;
+  for (std::size_t begin = 0; begin < order.size();) {
+    const Row& first = rows[order[begin]];
+    std::size_t end = begin;
+    while (end < order.size() && rows[order[end]].cell == first.cell) ++end;
+    const std::size_t lines = end - begin, most = most_together(first, memory_bytes);
+    const std::size_t parts = (lines + most - 1) / most;
+    for (std::size_t part = 0; part < parts; ++part) {
+      const auto at = [&](std::size_t i) {
+        return order.begin() + static_cast<long>(begin + lines * i / parts);
+      };
+      groups.emplace_back(at(part), at(part + 1));
+    }
+    begin = end;
+  }
+  return groups;
+}
+
+std::size_t most_together(const Row& row, double memory_bytes) {
+  const double each = 32e6 + 128.0 * static_cast<double>(row.capacity);
+  return static_cast<std::size_t>(std::clamp(memory_bytes / each, 1.0, 16.0));
 }
 
 }  // namespace irt::contention

@@ -68,7 +68,7 @@ struct Rows {
 Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machine);
 
 /// What the process for a repetition of `row` is told. Each repetition has a seed of its own, the
-/// same for all queues of a cell.
+/// same for all queues of a cell. A plain one is measured in turns, others in one go.
 Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, Pass pass);
 
 /// The passes of a repetition of `row`, in their order. Counting takes place in the first one
@@ -83,5 +83,16 @@ inline constexpr const char* baselines = "baselines";
 /// always follows the same other.
 std::vector<unsigned> order_of(const std::vector<Row>& rows, unsigned repetition,
                                std::uint64_t seed);
+
+/// `order` in groups whose lines take turns: those of a cell, or, where they are more than fit,
+/// several groups as equal as can be. Since the order of a cell is drawn anew for each repetition,
+/// so are such groups.
+std::vector<std::vector<unsigned>> groups_of(const std::vector<unsigned>& order,
+                                             const std::vector<Row>& rows, double memory_bytes);
+
+/// How many lines like `row` fit side by side: at most 16, so that a lap lasts no longer than the
+/// machine keeps its pace, and as many as `memory_bytes` hold if each takes 32 MB and 128 bytes for
+/// each element of its capacity. At least one.
+std::size_t most_together(const Row& row, double memory_bytes);
 
 }  // namespace irt::contention

@@ -1,9 +1,11 @@
 #include "bench/contention/resources.hpp"
 
 #include <cstdlib>
+#include <ctime>
 #include <fmt/format.h>
 #include <fstream>
 #include <malloc.h>
+#include <pthread.h>
 #include <string_view>
 #include <sys/resource.h>
 
@@ -11,10 +13,6 @@ namespace irt::contention {
 namespace {
 
 namespace fs = std::filesystem;
-
-double seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
-}
 
 std::optional<std::uint64_t> number_in(const fs::path& file) {
   std::ifstream in(file);
@@ -47,11 +45,23 @@ bool allocator_keeps_books() {
 
 }  // namespace
 
-Usage usage_so_far() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return {.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime),
-          .context_switches = static_cast<std::uint64_t>(usage.ru_nvcsw + usage.ru_nivcsw)};
+Usage usage_so_far(std::span<std::thread> threads) {
+  Usage usage;
+  for (std::thread& thread : threads) {
+    // Not from getrusage(2), which knows of threads that run only what they had used at the last
+    // tick, some milliseconds ago.
+    clockid_t clock{};
+    timespec time{};
+    if (pthread_getcpuclockid(thread.native_handle(), &clock) != 0) continue;
+    clock_gettime(clock, &time);
+    usage.cpu_seconds += static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+  }
+  rusage all{}, own{};
+  getrusage(RUSAGE_SELF, &all);
+  getrusage(RUSAGE_THREAD, &own);
+  usage.context_switches =
+      static_cast<std::uint64_t>(all.ru_nvcsw + all.ru_nivcsw - own.ru_nvcsw - own.ru_nivcsw);
+  return usage;
 }
 
 MemoryUse::MemoryUse() {

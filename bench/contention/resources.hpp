@@ -4,17 +4,19 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace irt::contention {
 
-/// Of this process, since it began.
+/// Since the process began.
 struct Usage {
-  double cpu_seconds = 0;
-  std::uint64_t context_switches = 0;  ///< voluntary or not
+  double cpu_seconds = 0;              ///< of the given threads, to the nanosecond
+  std::uint64_t context_switches = 0;  ///< of all but the calling thread, voluntary or not
 };
-Usage usage_so_far();
+Usage usage_so_far(std::span<std::thread> threads);
 
 /// Watches the memory of the process.
 class MemoryUse {

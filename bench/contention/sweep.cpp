@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <fstream>
+#include <map>
 #include <optional>
 #include <set>
+#include <unistd.h>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/contention/busy_wait.hpp"
-#include "bench/contention/child.hpp"
 #include "bench/contention/statistics.hpp"
 #include "bench/contention/summary.hpp"
+#include "bench/contention/turns.hpp"
 #include "bench/frames/interrupt.hpp"
 #include "bench/frames/json_lines.hpp"
 #include "bench/frames/progress.hpp"
@@ -114,10 +115,11 @@ class Sweep {
       job.pace = calibration_.pace;
       job.seconds = 0.03;
       job.warmup_seconds = 0.06;
-      const Sample sample = measure_in_child(program_, job, cancel_);
-      if (sample.operations() > 0) {
+      const auto add = [&](std::size_t, const Sample& sample) {
+        if (sample.operations() == 0) return;
         costs.push_back(sample.cpu_seconds * 1e9 / static_cast<double>(sample.operations()));
-      }
+      };
+      measure_in_turns(program_, {&job, 1}, job.seed, add, cancel_);
     }
     return costs.empty() ? 0 : median(costs);
   }
@@ -135,8 +137,24 @@ class Sweep {
     fmt::print(stderr,
                "{} lines of {} repetitions, about {:.0f} s; the loop itself takes {:.2f} ns per "
                "operation, a step of the busy wait {:.2f} ns\n",
-               rows_.size(), plan_.repetitions, total() * (plan_.seconds + 0.15),
+               rows_.size(), plan_.repetitions, total() * (1.15 * plan_.seconds + 0.15),
                calibration_.harness_ns, calibration_.pace.step_ns);
+    announce_groups();
+  }
+
+  void announce_groups() const {
+    std::map<unsigned, std::size_t> groups, lines;  // by cell
+    for (const auto& group : groups_of(order_of(rows_, 0, plan_.seed), rows_, memory_bytes_)) {
+      ++groups[rows_[group.front()].cell];
+      lines[rows_[group.front()].cell] += group.size();
+    }
+    const auto most = std::ranges::max_element(
+        groups, {}, [](const auto& of_cell) { return of_cell.second; });
+    if (most->second == 1) return;
+    fmt::print(stderr,
+               "irt: {} queues are too many to take turns side by side: they do in {} groups, "
+               "others in each repetition\n",
+               lines[most->first], most->second);
   }
 
   bool has(unsigned row, unsigned repetition, Pass pass) const {
@@ -154,27 +172,41 @@ class Sweep {
   void measure_all() {
     ProgressBar progress(total(), static_cast<unsigned>(results_.size()));
     for (unsigned repetition = 0; repetition < plan_.repetitions; ++repetition) {
-      for (const unsigned i : order_of(rows_, repetition, plan_.seed)) {
-        const Row& row = rows_[i];
-        for (const Pass pass : passes_of(plan_, row, repetition)) {
-          if (cancel_) return;
-          if (has(i, repetition, pass)) continue;
-          progress.show(
-              fmt::format("{}, {}, {} threads", row.scenario, row.queue, row.cast.threads));
-          if (!hopeless(i)) measure_one(i, repetition, pass);
-          progress.step();
+      const auto order = order_of(rows_, repetition, plan_.seed);
+      for (const auto& group : groups_of(order, rows_, memory_bytes_)) {
+        measure_group(group, repetition, Pass::plain, progress);
+        for (const unsigned row : group) {
+          for (const Pass pass : passes_of(plan_, rows_[row], repetition)) {
+            if (pass != Pass::plain) measure_group({row}, repetition, pass, progress);
+          }
         }
       }
     }
   }
 
-  void measure_one(unsigned row, unsigned repetition, Pass pass) {
-    Result result{.row = row, .repetition = repetition, .pass = pass, .sample = {}};
-    result.sample = measure_in_child(
-        program_, job_of(plan_, rows_[row], repetition, calibration_.pace, pass), cancel_);
-    if (cancel_) return;
-    journal_->add(result);
-    results_.push_back(std::move(result));
+  // One pass of those lines of a group that lack it.
+  void measure_group(std::vector<unsigned> group, unsigned repetition, Pass pass,
+                     ProgressBar& progress) {
+    std::erase_if(group, [&](unsigned row) { return has(row, repetition, pass); });
+    if (group.empty() || cancel_) return;
+    const Row& first = rows_[group.front()];
+    progress.show(fmt::format("{}, {}, {} threads", first.scenario,
+                              group.size() == 1 ? first.queue
+                                                : fmt::format("{} queues in turns", group.size()),
+                              first.cast.threads));
+    const auto skipped = std::erase_if(group, [&](unsigned row) { return hopeless(row); });
+    for (std::size_t i = 0; i < skipped; ++i) progress.step();
+    std::vector<Job> jobs;
+    for (const unsigned row : group) {
+      jobs.push_back(job_of(plan_, rows_[row], repetition, calibration_.pace, pass));
+    }
+    const auto keep = [&](std::size_t i, const Sample& sample) {
+      results_.push_back(
+          {.row = group[i], .repetition = repetition, .pass = pass, .sample = sample});
+      journal_->add(results_.back());
+      progress.step();
+    };
+    if (!jobs.empty()) measure_in_turns(program_, jobs, jobs.front().seed, keep, cancel_);
   }
 
   int report() {
@@ -211,6 +243,9 @@ class Sweep {
   std::filesystem::path program_;
   const std::atomic<bool>& cancel_ = watch_for_interrupt();
   Machine machine_ = survey_machine();
+  // Half of the machine's memory is for the queues that wait for their turns.
+  double memory_bytes_ =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 2;
   Plan plan_;
   std::vector<Row> rows_;
   std::vector<std::string> left_out_;

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,44 +22,19 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A file in memory.
-class Scratch {
- public:
-  Scratch() : descriptor_(memfd_create("irt-child", 0)) {
-    if (descriptor_ < 0) throw std::runtime_error("no file for a child process: out of files");
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  ~Scratch() { close(descriptor_); }
+Clock::time_point in(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                            std::chrono::duration<double>(seconds));
+}
 
-  int descriptor() const { return descriptor_; }
-  void fill(const std::string& text) const {
-    if (write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
-      throw std::runtime_error("no room for a child process' orders: out of memory");
-    }
-    lseek(descriptor_, 0, SEEK_SET);
-  }
-  std::string contents() const {
-    std::string text;
-    std::array<char, 65536> part{};
-    lseek(descriptor_, 0, SEEK_SET);
-    for (ssize_t n = 0; (n = read(descriptor_, part.data(), part.size())) > 0;) {
-      text.append(part.data(), static_cast<std::size_t>(n));
-    }
-    return text;
-  }
-
- private:
-  int descriptor_;
-};
-
-[[noreturn]] void be_the_child(const Scratch& input, const Scratch& answer, const Scratch& errors,
+[[noreturn]] void be_the_child(pid_t parent, int socket, int errors,
                                const std::function<void()>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  setpgid(0, 0);  // Ctrl-C is for the caller to deal with
-  dup2(input.descriptor(), STDIN_FILENO);
-  dup2(answer.descriptor(), STDOUT_FILENO);
-  dup2(errors.descriptor(), STDERR_FILENO);
+  if (getppid() != parent) _exit(1);  // it has died meanwhile, and sends no signal any more
+  setpgid(0, 0);                      // Ctrl-C is for the caller to deal with
+  dup2(socket, STDIN_FILENO);
+  dup2(socket, STDOUT_FILENO);
+  dup2(errors, STDERR_FILENO);
   int code = 0;
   try {
     work();
@@ -70,25 +46,14 @@ class Scratch {
   _exit(code);  // what the caller has to do at its end is not the copy's
 }
 
-/// Waits for `child`; kills it at `deadline` or when `cancel` is set. Whether it was killed.
-bool outlived(pid_t child, Clock::time_point deadline, const std::atomic<bool>& cancel,
-              int& status) {
-  // A descriptor that becomes readable when the child ends, so that nobody polls beside it.
-  const int end = static_cast<int>(syscall(SYS_pidfd_open, child, 0));
-  bool killed = false;
-  for (;;) {
-    const pid_t ended = waitpid(child, &status, WNOHANG);
-    if (ended == child) break;
-    if (ended < 0 && errno != EINTR) throw std::runtime_error("a child process got lost");
-    if (!killed && (cancel || Clock::now() > deadline)) {
-      killed = true;
-      kill(child, SIGKILL);
-    }
-    pollfd wait{.fd = end, .events = POLLIN, .revents = 0};
-    poll(&wait, 1, 200);
+std::string contents(int file) {
+  std::string text;
+  std::array<char, 65536> part{};
+  lseek(file, 0, SEEK_SET);
+  for (ssize_t n = 0; (n = read(file, part.data(), part.size())) > 0;) {
+    text.append(part.data(), static_cast<std::size_t>(n));
   }
-  if (end >= 0) close(end);
-  return killed;
+  return text;
 }
 
 /// The last line that says something, without the end of the line.
@@ -100,35 +65,128 @@ std::string last_line(const std::string& text) {
   return text.substr(begin, end - begin + 1);
 }
 
-Ending ended_badly(const std::string& status, const std::string& message, const Scratch& errors) {
-  const std::string said = last_line(errors.contents());
-  return {
-      .status = status, .message = said.empty() ? message : message + ": " + said, .answer = {}};
-}
-
 }  // namespace
 
-Ending in_child(const std::string& input, double seconds, const std::atomic<bool>& cancel,
-                const std::function<void()>& work) {
-  const Scratch orders, answer, errors;
-  orders.fill(input);
+ChildProcess::ChildProcess(const std::function<void()>& work) {
+  std::array<int, 2> ends{};
+  errors_ = memfd_create("irt-child", MFD_CLOEXEC);
+  if (errors_ < 0 || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    if (errors_ >= 0) close(errors_);
+    throw std::runtime_error("no file for a child process: out of files");
+  }
   std::fflush(stdout);  // or the copy would write what waits there once more
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no child process: the system refuses to fork");
-  if (child == 0) be_the_child(orders, answer, errors, work);
+  const pid_t self = getpid();
+  process_ = fork();
+  if (process_ == 0) be_the_child(self, ends[1], errors_, work);
+  close(ends[1]);
+  socket_ = ends[0];
+  if (process_ > 0) return;
+  close(socket_);
+  close(errors_);
+  throw std::runtime_error("no child process: the system refuses to fork");
+}
 
-  const auto deadline = Clock::now() + std::chrono::milliseconds(static_cast<long>(seconds * 1e3));
-  int status = 0;
-  if (outlived(child, deadline, cancel, status)) {
-    return ended_badly("hung", fmt::format("silent for {:.0f} s", seconds), errors);
+ChildProcess::~ChildProcess() {
+  if (!status_) {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
   }
-  if (WIFSIGNALED(status)) return ended_badly("crashed", strsignal(WTERMSIG(status)), errors);
-  Ending ending;
-  ending.answer = answer.contents();
-  if (WEXITSTATUS(status) != 0 || ending.answer.empty()) {
-    return ended_badly("failed", fmt::format("exit code {}", WEXITSTATUS(status)), errors);
+  close(socket_);
+  close(errors_);
+}
+
+void ChildProcess::tell(std::string_view text) const {
+  while (!text.empty()) {
+    const ssize_t n = send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return;
+    text.remove_prefix(static_cast<std::size_t>(n));
   }
+}
+
+void ChildProcess::kill_for_silence(double seconds) {
+  if (silent_ || status_) return;
+  silent_ = seconds;
+  kill(process_, SIGKILL);
+}
+
+/// Takes what the child has written meanwhile; false once there will be nothing more.
+bool ChildProcess::read_more(double seconds, const std::atomic<bool>& cancel) {
+  const Clock::time_point deadline = in(seconds);
+  for (;;) {
+    if (cancel || Clock::now() > deadline) {
+      kill_for_silence(seconds);
+      return false;
+    }
+    pollfd wait{.fd = socket_, .events = POLLIN, .revents = 0};
+    if (poll(&wait, 1, 200) <= 0) continue;
+    std::array<char, 65536> part{};
+    const ssize_t n = read(socket_, part.data(), part.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    text_.append(part.data(), static_cast<std::size_t>(n));
+    return true;
+  }
+}
+
+std::optional<std::string> ChildProcess::line(double seconds, const std::atomic<bool>& cancel) {
+  std::size_t end = 0;
+  while ((end = text_.find('\n')) == std::string::npos) {
+    if (!read_more(seconds, cancel)) return std::nullopt;
+  }
+  std::string one = text_.substr(0, end);
+  text_.erase(0, end + 1);
+  return one;
+}
+
+Ending ChildProcess::end(double seconds, const std::atomic<bool>& cancel) {
+  while (read_more(seconds, cancel)) {
+  }
+  // A descriptor that becomes readable when the child ends, so that nobody polls beside it.
+  const int ended = static_cast<int>(syscall(SYS_pidfd_open, process_, 0));
+  const Clock::time_point deadline = in(seconds);
+  for (int status = 0; !status_;) {
+    const pid_t found = waitpid(process_, &status, WNOHANG);
+    if (found == process_) status_ = status;
+    if (found < 0 && errno != EINTR) throw std::runtime_error("a child process got lost");
+    if (cancel || Clock::now() > deadline) kill_for_silence(seconds);
+    pollfd wait{.fd = ended, .events = POLLIN, .revents = 0};
+    if (!status_) poll(&wait, 1, 200);
+  }
+  if (ended >= 0) close(ended);
+
+  Ending ending{.status = "ok", .message = {}, .answer = std::move(text_)};
+  if (silent_) {
+    ending = {.status = "hung", .message = fmt::format("silent for {:.0f} s", *silent_), .answer = {}};
+  } else if (WIFSIGNALED(*status_)) {
+    ending = {.status = "crashed", .message = strsignal(WTERMSIG(*status_)), .answer = {}};
+  } else if (WEXITSTATUS(*status_) != 0 || ending.answer.empty()) {
+    ending = {.status = "failed",
+              .message = fmt::format("exit code {}", WEXITSTATUS(*status_)),
+              .answer = {}};
+  }
+  const std::string said = last_line(contents(errors_));
+  if (ending.status != "ok" && !said.empty()) ending.message += ": " + said;
   return ending;
+}
+
+void ChildProcess::stop() {
+  if (status_) return;
+  kill(process_, SIGSTOP);
+  int status = 0;
+  while (waitpid(process_, &status, WUNTRACED) < 0 && errno == EINTR) {
+  }
+  if (!WIFSTOPPED(status)) status_ = status;
+}
+
+void ChildProcess::go_on() const {
+  if (!status_) kill(process_, SIGCONT);
+}
+
+Ending in_child(double seconds, const std::atomic<bool>& cancel,
+                const std::function<void()>& work) {
+  ChildProcess child(work);
+  return child.end(seconds, cancel);
 }
 
 }  // namespace irt

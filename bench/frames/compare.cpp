@@ -255,7 +255,7 @@ class Comparison {
   std::optional<FirstFrame> first_frame(Workload& workload, unsigned threads, bool keep_picture) {
     constexpr double a_day = 86'400;
     const QueueEntry& queue = built_in_queues().front();
-    const Ending ending = in_child({}, a_day, cancel_, [&] {
+    const Ending ending = in_child(a_day, cancel_, [&] {
       const Sample first = take_sample(workload, queue, {.threads = threads, .warmup = 0}, cancel_);
       if (keep_picture) write_png(options_.out / "frame.png", workload.application().image());
       answer(FirstFrame{
@@ -306,7 +306,7 @@ class Comparison {
   // Measured in a process of its own, so that a queue that hangs or crashes is a result.
   Sample sample_of(const Row& row) {
     const double expected = work_[row.workload] * (plan_.warmup + plan_.frames);
-    const Ending ending = in_child({}, options_.patience + 10 * expected, cancel_, [&] {
+    const Ending ending = in_child(options_.patience + 10 * expected, cancel_, [&] {
       answer(take_sample(*workloads_[row.workload], queue_of(row),
                          {.threads = row.threads, .warmup = plan_.warmup, .frames = plan_.frames},
                          cancel_));

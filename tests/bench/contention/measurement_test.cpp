@@ -27,6 +27,12 @@ void never(const Sample& sample) {
   FAIL() << sample.message;
 }
 
+/// Without anyone else to take turns with.
+Sample measure(const Job& job, const SubjectMaker& make,
+               const std::function<void(const Sample&)>& on_hang) {
+  return contention::measure(job, make, [] {}, on_hang);
+}
+
 Job job_for(const std::string& scenario, unsigned threads) {
   const Cast cast = scenario_at(scenario).cast(threads);
   Job job;
@@ -273,6 +279,7 @@ TEST(Resources, HardwareCountersCountOrSayWhyNot) {
   HardwareCounters counters;
   counters.start();
   busy_wait(1'000'000);
+  counters.stop();
   const auto figures = counters.read();
   EXPECT_EQ(figures.is_null(), !counters.missing().empty());
   if (figures.contains("instructions")) {
@@ -300,6 +307,7 @@ TEST(Resources, EventsAreThoseOfThreadsStartedLater) {
   std::thread first(work_20_ms), second(work_20_ms);
   first.join();
   second.join();
+  counters.stop();
   const auto figures = counters.read();
   EXPECT_FALSE(figures.contains("no_such_event"));
   EXPECT_GE(figures["task_clock"].get<double>(),
