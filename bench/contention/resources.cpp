@@ -54,7 +54,8 @@ Usage usage_so_far(std::span<std::thread> threads) {
     timespec time{};
     if (pthread_getcpuclockid(thread.native_handle(), &clock) != 0) continue;
     clock_gettime(clock, &time);
-    usage.cpu_seconds += static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+    usage.cpu_seconds +=
+        static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
   }
   rusage all{}, own{};
   getrusage(RUSAGE_SELF, &all);

@@ -148,8 +148,8 @@ class Sweep {
       ++groups[rows_[group.front()].cell];
       lines[rows_[group.front()].cell] += group.size();
     }
-    const auto most = std::ranges::max_element(
-        groups, {}, [](const auto& of_cell) { return of_cell.second; });
+    const auto most =
+        std::ranges::max_element(groups, {}, [](const auto& of_cell) { return of_cell.second; });
     if (most->second == 1) return;
     fmt::print(stderr,
                "irt: {} queues are too many to take turns side by side: they do in {} groups, "
@@ -190,10 +190,10 @@ class Sweep {
     std::erase_if(group, [&](unsigned row) { return has(row, repetition, pass); });
     if (group.empty() || cancel_) return;
     const Row& first = rows_[group.front()];
-    progress.show(fmt::format("{}, {}, {} threads", first.scenario,
-                              group.size() == 1 ? first.queue
-                                                : fmt::format("{} queues in turns", group.size()),
-                              first.cast.threads));
+    progress.show(fmt::format(
+        "{}, {}, {} threads", first.scenario,
+        group.size() == 1 ? first.queue : fmt::format("{} queues in turns", group.size()),
+        first.cast.threads));
     const auto skipped = std::erase_if(group, [&](unsigned row) { return hopeless(row); });
     for (std::size_t i = 0; i < skipped; ++i) progress.step();
     std::vector<Job> jobs;

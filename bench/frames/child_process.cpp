@@ -23,8 +23,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 Clock::time_point in(double seconds) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                            std::chrono::duration<double>(seconds));
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 [[noreturn]] void be_the_child(pid_t parent, int socket, int errors,
@@ -157,7 +157,8 @@ Ending ChildProcess::end(double seconds, const std::atomic<bool>& cancel) {
 
   Ending ending{.status = "ok", .message = {}, .answer = std::move(text_)};
   if (silent_) {
-    ending = {.status = "hung", .message = fmt::format("silent for {:.0f} s", *silent_), .answer = {}};
+    ending = {
+        .status = "hung", .message = fmt::format("silent for {:.0f} s", *silent_), .answer = {}};
   } else if (WIFSIGNALED(*status_)) {
     ending = {.status = "crashed", .message = strsignal(WTERMSIG(*status_)), .answer = {}};
   } else if (WEXITSTATUS(*status_) != 0 || ending.answer.empty()) {

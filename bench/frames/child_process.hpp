@@ -54,8 +54,8 @@ class ChildProcess {
 
   pid_t process_ = -1;
   int socket_ = -1, errors_ = -1;
-  std::string text_;           // that was written and not yet taken
-  std::optional<int> status_;  // of waitpid, once it has ended
+  std::string text_;              // that was written and not yet taken
+  std::optional<int> status_;     // of waitpid, once it has ended
   std::optional<double> silent_;  // seconds, for which it was killed
 };
 

@@ -30,7 +30,8 @@ void never(const Sample& sample) {
 /// Without anyone else to take turns with.
 Sample measure(const Job& job, const SubjectMaker& make,
                const std::function<void(const Sample&)>& on_hang) {
-  return contention::measure(job, make, [] {}, on_hang);
+  return contention::measure(
+      job, make, [] {}, on_hang);
 }
 
 Job job_for(const std::string& scenario, unsigned threads) {

@@ -194,6 +194,33 @@ TEST(Plan, QueuesOfACellTakeTurnsInAnOrderOfTheirOwn) {
   EXPECT_GE(orders.size(), 19U);
 }
 
+TEST(Plan, LinesOfACellTakeTurnsAsManyAsFit) {
+  std::vector<Row> rows(40);
+  for (unsigned i = 0; i < rows.size(); ++i) rows[i].cell = i < 3 ? 0 : i < 20 ? 1 : 2;
+  const auto order = order_of(rows, 0, 1);
+  std::vector<std::size_t> sizes;
+  std::vector<unsigned> all;
+  for (const auto& group : groups_of(order, rows, 1e12)) {
+    sizes.push_back(group.size());
+    all.insert(all.end(), group.begin(), group.end());
+    for (const unsigned row : group) EXPECT_EQ(rows[row].cell, rows[group.front()].cell);
+  }
+  EXPECT_EQ(sizes, (std::vector<std::size_t>{3, 8, 9, 10, 10}));
+  EXPECT_EQ(all, order);
+  // Without memory each goes by itself.
+  EXPECT_EQ(groups_of(order, rows, 0).size(), rows.size());
+  Row large;
+  large.capacity = 1 << 30;
+  EXPECT_EQ(most_together(large, 1e12), 7U);
+}
+
+TEST(Plan, OnlyRatesAreTakenInTurns) {
+  const Plan plan;
+  EXPECT_GT(job_of(plan, {}, 0, {}, Pass::plain).turns, 1U);
+  EXPECT_EQ(job_of(plan, {}, 0, {}, Pass::stamped).turns, 1U);
+  EXPECT_EQ(job_of(plan, {}, 0, {}, Pass::counted).turns, 1U);
+}
+
 TEST(Plan, RepetitionsHaveSeedsOfTheirOwnThatQueuesShare) {
   const Plan plan = plan_of_many();
   Row lock, mutex;
