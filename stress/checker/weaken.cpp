@@ -43,13 +43,16 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
                           const CheckSettings& settings) {
   const std::vector<std::string> shapes =
       settings.shapes.empty() ? battery(entry.claims) : settings.shapes;
+  // What only the clock's order needs is needed by a queue that claims it.
+  const bool clocked =
+      settings.real_time.value_or(entry.claims.ordering == Ordering::fifo_real_time);
   Symbols symbols(module);
   // One line of source may have been compiled into several places.
   using Key = std::tuple<std::string, std::string, Order, bool, EventKind>;
   std::map<Key, std::vector<Execution::OrderSite>> sites;
   std::map<const void*, bool> known;
   for (const std::string& text : shapes) {
-    QueueClient client(entry, parse_shape(text), settings.capacity, &module);
+    QueueClient client(entry, parse_shape(text), settings.capacity, &module, clocked);
     Options options = settings.options;
     options.seconds = 1;
     options.watch_orders = true;
@@ -68,7 +71,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
       std::string breaks;
       bool complete = true;
       for (const std::string& text : shapes) {
-        QueueClient client(entry, parse_shape(text), settings.capacity, &module);
+        QueueClient client(entry, parse_shape(text), settings.capacity, &module, clocked);
         Options options = settings.options;
         options.seconds = settings.seconds / static_cast<double>(shapes.size());
         for (const Execution::OrderSite& site : places) options.weakened.emplace_back(site, order);

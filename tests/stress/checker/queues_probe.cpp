@@ -6,6 +6,7 @@
 #include <mutex>
 #include <utility>
 
+#include "queues/lock_free/lcrq.hpp"
 #include "queues/work_queue.hpp"
 
 namespace {
@@ -234,6 +235,28 @@ class Ring {
   std::atomic<std::size_t> head_{0}, tail_{0};
 };
 
+/// LCRQ with something behind its elements, as tasks have, which a pop must see as written.
+template <class T>
+class BoxedLcrq {
+ public:
+  static constexpr std::string_view summary = "LCRQ, elements in boxes";
+  static constexpr Claims claims = irt::Lcrq<T*>::claims;
+
+  BoxedLcrq(unsigned workers, std::size_t capacity) : queue_(workers, capacity) {}
+
+  bool push(unsigned worker, T task) { return queue_.push(worker, new T(task)); }
+  bool pop(unsigned worker, T& task) {
+    T* box = nullptr;
+    if (!queue_.pop(worker, box)) return false;
+    task = *box;
+    delete box;
+    return true;
+  }
+
+ private:
+  irt::Lcrq<T*> queue_;
+};
+
 template <class T>
 using Healthy = Linked<T, Fault::none>;
 template <class T>
@@ -267,6 +290,8 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<Forgetful>("forgetful"),
     irt::queue_entry<HonestRing>("honest-ring"),
     irt::queue_entry<BoastfulRing>("boastful-ring"),
+    irt::queue_entry<irt::Lcrq>("lcrq"),
+    irt::queue_entry<BoxedLcrq>("boxed-lcrq"),
 };
 
 }  // namespace

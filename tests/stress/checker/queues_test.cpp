@@ -110,6 +110,18 @@ TEST_F(Queues, a_clock_shows_what_happens_before_does_not) {
   }
 }
 
+// A client that asks for little gets rings of two places: they go round, are closed and left, and
+// pops wait for pushes and make places unsafe.
+TEST_F(Queues, linked_rings_are_proved_by_the_clock) {
+  for (const char* shape : {"E|D", "E:D|D", "ED|ED", "E:E|D|E", "EE:DD|ED", "EEE:DD|D"})
+    for (const char* queue : {"lcrq", "boxed-lcrq"}) {
+      checker::QueueClient client(entry(queue), checker::parse_shape(shape), 2, &module_, true);
+      const checker::Result result = checker::check(client.scenario(), {});
+      EXPECT_TRUE(result.finished) << shape;
+      EXPECT_FALSE(result.finding) << shape << ": " << result.finding->text;
+    }
+}
+
 TEST_F(Queues, what_is_lost_for_want_of_memory_is_found) {
   checker::Options options;
   options.limits.failing_allocations = 1;
