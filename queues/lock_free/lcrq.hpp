@@ -221,7 +221,10 @@ class Lcrq {
       : bits_(static_cast<unsigned>(
             std::bit_width(std::clamp<std::size_t>(capacity, 2, most_places) - 1))),
         hazards_(workers, 1),
-        used_(workers) {}
+        used_(workers),
+        head_(new ClosableRing(bits_)),
+        // relaxed: construction is single-threaded
+        tail_(head_.load(std::memory_order_relaxed)) {}
   Lcrq(const Lcrq&) = delete;
   Lcrq& operator=(const Lcrq&) = delete;
 
@@ -308,9 +311,10 @@ class Lcrq {
   const unsigned bits_;
   HazardPointers<ClosableRing, 2> hazards_;
   std::vector<Used> used_;
-  ClosableRing* const first_ = new ClosableRing(bits_);
-  alignas(cache_line_pair) std::atomic<ClosableRing*> head_{first_};
-  alignas(cache_line_pair) std::atomic<ClosableRing*> tail_{first_};
+  // Initialised by the constructor: where a `new` in a member's own initialiser throws, GCC 12 does
+  // not give the memory back.
+  alignas(cache_line_pair) std::atomic<ClosableRing*> head_;
+  alignas(cache_line_pair) std::atomic<ClosableRing*> tail_;
 };
 
 }  // namespace irt
