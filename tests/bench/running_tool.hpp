@@ -31,6 +31,7 @@ class RunningTool {
  public:
   RunningTool(const char* program, Arguments arguments) {
     arguments.insert(arguments.begin(), program);
+    std::fflush(stdout);  // or the copy would write what waits there once more
     child_ = fork();
     if (child_ != 0) return;
     std::vector<char*> words;
