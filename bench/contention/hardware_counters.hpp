@@ -25,7 +25,7 @@ std::span<const HardwareEvent> hardware_events();
 /// system does not let us count are left out.
 class HardwareCounters {
  public:
-  explicit HardwareCounters(std::span<const HardwareEvent> events = hardware_events());
+  explicit HardwareCounters(std::span<const HardwareEvent> events);
   HardwareCounters(const HardwareCounters&) = delete;
   HardwareCounters& operator=(const HardwareCounters&) = delete;
   ~HardwareCounters();

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "bench/contention/counting.hpp"
-#include "bench/contention/hardware_counters.hpp"
+#include "bench/contention/named_events.hpp"
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
 
@@ -67,6 +67,11 @@ double fairness(const Cast& cast, const std::vector<std::uint64_t>& operations) 
   };
   if (cast.together()) return within(0, cast.threads);
   return std::min(within(0, cast.producers), within(cast.producers, cast.threads));
+}
+
+std::vector<HardwareEvent> with_perf_names(std::vector<HardwareEvent> events) {
+  events.insert(events.begin(), hardware_events().begin(), hardware_events().end());
+  return events;
 }
 
 class Measurement {
@@ -240,7 +245,9 @@ class Measurement {
     sample_.fairness = fairness(table_.cast, operations_);
     sample_.counters = counters_.read();
     if (joules_) sample_.energy_joules = *joules_;
-    for (const std::string& why : {energy_.missing(), counters_.missing()}) {
+    const std::string& uncounted =
+        counters_.missing().empty() ? named_.missing : counters_.missing();
+    for (const std::string& why : {energy_.missing(), uncounted}) {
       if (!why.empty()) sample_.missing.push_back(why);
     }
   }
@@ -309,7 +316,8 @@ class Measurement {
   std::optional<MemoryUse> memory_;
   std::unique_ptr<Subject> subject_;
   EnergyMeter energy_;
-  HardwareCounters counters_;
+  EventsByName named_ = events_by_name();
+  HardwareCounters counters_{with_perf_names(named_.events)};
   std::vector<std::thread> threads_;
   std::atomic<unsigned> present_{0}, finished_{0};
   std::atomic<bool> go_{false};

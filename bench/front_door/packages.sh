@@ -24,6 +24,7 @@ declare -A package_purpose=(
   [libatomic-queue-dev]='atomic_queue, whose rings are compared'
   [liburcu-dev]='userspace RCU, whose queues are compared'
   [libck-dev]='Concurrency Kit, whose queues are compared'
+  [libpfm4-dev]='names of hardware events, for irt bench contention'
   [libbenchmark-dev]='Google Benchmark, which irt bench micro rests on'
   [valgrind]='counts instructions and cache misses for irt bench instructions'
   [clang]='compiles with a second compiler; fuzzers'
@@ -39,9 +40,10 @@ packages_test=("${packages_tools[@]}" libgtest-dev)
 packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev libatomic-queue-dev
   liburcu-dev libck-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev "${packages_comparators[@]}"
-  libbenchmark-dev valgrind gnuplot-nox chromium)
+  libbenchmark-dev libpfm4-dev valgrind gnuplot-nox chromium)
 # What a target does without where it cannot be installed.
 declare -A optional_packages=([irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox
+  [irt-contention]=libpfm4-dev
   [irt-micro]="libbenchmark-dev ${packages_comparators[*]}"
   [irt-instructions]="valgrind ${packages_comparators[*]}")
 packages_format=(clang-format)

@@ -277,7 +277,7 @@ TEST(Resources, WhyThereIsNoEnergyIsSaid) {
 }
 
 TEST(Resources, HardwareCountersCountOrSayWhyNot) {
-  HardwareCounters counters;
+  HardwareCounters counters(hardware_events());
   counters.start();
   busy_wait(1'000'000);
   counters.stop();
