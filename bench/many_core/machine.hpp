@@ -106,6 +106,11 @@ class Machine final : public virtual_cores::Tenant {
   Time clock() const { return threads_[virtual_cores::current_core].clock; }
   /// `ns` of work that no other thread can see or disturb.
   void work(double ns);
+  /// The same, and then what the others have done meanwhile is done.
+  void idle(double ns) {
+    work(ns);
+    sync(current());
+  }
   /// A step that waited in vain; counted here so that a sleeping loop's rounds are, too.
   void count_failure() { ++threads_[virtual_cores::current_core].failures; }
 

@@ -30,6 +30,11 @@ namespace {
 
 constexpr std::size_t longest_burst = 16;
 
+// Producers of a queue without a bound wait while so many elements are inside: else they would
+// leave slower consumers behind, and most operations would be pushes.
+constexpr std::int64_t most_inside = 1024;
+constexpr double held_back_ns = 500;
+
 // Operations of one kind.
 struct Tally {
   std::uint64_t all = 0, counted = 0, failed = 0;  // since the start; in the measured time
@@ -91,6 +96,7 @@ class Run {
     }
     entry_ = module_.function<const QueueEntry*()>("irt_queue_entry")();
     queue_ = entry_->make_word_queue(point_.threads, point_.capacity).release();
+    if (!entry_->claims.bounded) backlog_ = most_inside;
   }
 
   void act(unsigned thread) {
@@ -101,7 +107,13 @@ class Run {
           if (push(thread, me)) pop(thread, me);
           break;
         case Scenario::sides:
-          pushes(thread) ? push(thread, me) : pop(thread, me);
+          if (!pushes(thread)) {
+            pop(thread, me);
+          } else if (inside_ < backlog_) {
+            push(thread, me);
+          } else {
+            machine_.idle(held_back_ns);
+          }
           break;
         case Scenario::bursts:
           for (std::size_t i = 0; i < burst_ && push(thread, me);) ++i;
@@ -117,8 +129,14 @@ class Run {
     }
   }
 
+  // Both roles are spread alike over the machine: by turns where neighbours have neighbouring
+  // numbers, in halves where these alternate between sockets.
   bool pushes(unsigned thread) const {
-    return point_.alternating ? thread % 2 == 0 : thread < point_.producers;
+    if (point_.placement == Placement::spread) return thread < point_.producers;
+    const auto before = [this](unsigned n) {
+      return (n * point_.producers + point_.threads - 1) / point_.threads;
+    };
+    return before(thread + 1) > before(thread);
   }
 
   // Repeats `operation` until it succeeds or time is up; then works.
@@ -129,7 +147,6 @@ class Run {
     bool done = operation();
     while (!done && !machine_.over()) {
       machine_.count_failure();
-      if (point_.pauses) machine_.pause();
       done = operation();
     }
     const Time end = machine_.clock();
@@ -150,6 +167,7 @@ class Run {
     const std::uint64_t element = std::uint64_t{thread + 1} << 40U | (me.pushes.all + 1);
     const bool done = attempt(thread, me, me.pushes, [&] { return queue_->push(thread, element); });
     if (done) me.pushed_sum += element;
+    inside_ += done ? 1 : 0;
     return done;
   }
 
@@ -157,6 +175,7 @@ class Run {
     std::uint64_t element = 0;
     const bool done = attempt(thread, me, me.pops, [&] { return queue_->pop(thread, element); });
     if (done) me.popped_sum += element;
+    inside_ -= done ? 1 : 0;
     return done;
   }
 
@@ -197,6 +216,8 @@ class Run {
   std::size_t burst_;
   const QueueEntry* entry_ = nullptr;
   AnyWorkQueue<std::uint64_t>* queue_ = nullptr;  // not destroyed: the process ends
+  std::int64_t inside_ = 0;                       // elements
+  std::int64_t backlog_ = std::numeric_limits<std::int64_t>::max();
   const Contended* primitive_ = nullptr;
   void* object_ = nullptr;
 };

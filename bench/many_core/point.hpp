@@ -15,7 +15,7 @@ namespace irt::many_core {
 /// Who does what. Between two operations of a thread lie `work_ns` of work.
 enum class Scenario : std::uint8_t {
   pairs,      ///< each thread pushes, works, pops until it gets something, works
-  sides,      ///< `producers` threads push, the others pop
+  sides,      ///< `producers` threads, spread alike over the machine, push, the others pop
   bursts,     ///< each thread pushes sixteen, then pops sixteen
   primitive,  ///< each thread repeats one step of a primitive, and works
 };
@@ -28,10 +28,8 @@ struct Point {
   std::filesystem::path module;  ///< where its code is
   Scenario scenario = Scenario::pairs;
   unsigned threads = 1;
-  unsigned producers = 0;    ///< of `sides`; the other threads pop
-  bool alternating = false;  ///< every other thread pushes, so that roles are spread alike
+  unsigned producers = 0;  ///< of `sides`; the other threads pop
   double work_ns = 0;
-  bool pauses = false;  ///< the instruction `pause` after an operation that failed
   std::size_t capacity = 65536;
   Placement placement = Placement::close;
   double warm_up_ns = 200e3, measured_ns = 1e6;

@@ -70,8 +70,8 @@ struct Profile {
   /// Added to a transfer within a socket, but not within a cache, where the line's home is another
   /// socket: the request goes through the home's directory.
   double home_remote = 0;
-  double overlap = 0;         ///< share of a transfer that passes while the line is still busy
-  double conflict = 0;        ///< added to a transfer where other requests wait for the line
+  double overlap = 0;   ///< share of a transfer that passes while the line is still busy
+  double conflict = 0;  ///< added to a transfer where other requests wait for the line
   /// How long a core that was given a line to write has it at least, whoever asks: operations that
   /// follow at once are hits.
   double residence = 0;
