@@ -8,13 +8,14 @@
 ///     done = start + (1 - overlap) L + (conflict, if others wait)
 ///     a read leaves the line busy until `done` if an owner gave it, else for `read_occupancy`
 ///     ownership also waits for the farthest sharer to give up its copy, and for every other one
-///       `invalidate_per_sharer`; it leaves the line busy until the operation is done
+///       `invalidate_per_sharer`; it leaves the line busy until the operation is done, and for its
+///       `residence` at least, in which the owner's further operations are hits
 ///
-/// Who of those that wait is served next says arbitration.hpp. Every leg varies by up to a tenth,
-/// from the run's seed, so that cores do not march in step.
+/// Who of those that wait is served next says arbitration.hpp. Every leg varies by up to a tenth and
+/// the residence by up to a half, from the run's seed, so that cores do not march in step.
 ///
 /// Not modelled: capacity (caches hold everything), prefetching, several requests of one core in
-/// flight (but for posted stores), a core that keeps a line for operations it has queued already.
+/// flight (but for posted stores).
 #pragma once
 
 #include <array>
