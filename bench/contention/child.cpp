@@ -60,7 +60,8 @@ bool MeasuringChild::ready(const std::atomic<bool>& cancel) {
 
 bool MeasuringChild::take_turn(const std::atomic<bool>& cancel) {
   process_.tell(go_line);
-  return process_.line(job_.seconds / job_.turns + patience(), cancel) == ready_line;
+  return process_.line(job_.settling_seconds + job_.seconds / job_.turns + patience(), cancel) ==
+         ready_line;
 }
 
 Sample MeasuringChild::finish(const std::atomic<bool>& cancel) {

@@ -42,6 +42,7 @@ struct Job {
   std::vector<unsigned> processors;  ///< to which the threads are bound in turn; empty: not bound
   double seconds = 0.2;              ///< the timed interval
   unsigned turns = 1;                ///< parts of it, see turns.hpp
+  double settling_seconds = 0.001;   ///< what passes before each of them
   double warmup_seconds = 0.5;       ///< the warm-up ends then at the latest
   double patience_seconds = 5;       ///< how long threads may take to stop
   Pass pass = Pass::plain;           ///< what this repetition is for
@@ -50,7 +51,8 @@ struct Job {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Job, queue, scenario, producers, consumers, threads, work_ns,
                                    work_spread, pace, capacity, processors, seconds, turns,
-                                   warmup_seconds, patience_seconds, pass, seed, plugins)
+                                   settling_seconds, warmup_seconds, patience_seconds, pass, seed,
+                                   plugins)
 
 /// The name of the queue that does nothing, by which the loop itself is measured.
 inline constexpr const char* no_queue = "(nothing)";

@@ -1,7 +1,6 @@
 /// One repetition, in the process that was started for it.
 #pragma once
 
-#include <chrono>
 #include <functional>
 
 #include "bench/contention/job.hpp"
@@ -16,7 +15,7 @@ namespace irt::contention {
 /// thread's own time comes in.
 ///
 /// `await_turn` is called before each turn and before the end, with the threads running; meanwhile
-/// the whole process may be stopped. A turn begins `settling` after it has returned.
+/// the whole process may be stopped. A turn begins `job.settling_seconds` after it has returned.
 ///
 /// Afterwards the queue is emptied and the elements are added up: what was lost or doubled makes
 /// the repetition *failed*.
@@ -24,10 +23,6 @@ namespace irt::contention {
 /// `on_hang` is called, with a sample that says so, when threads do not stop; it must not return.
 Sample measure(const Job& job, const SubjectMaker& make, const std::function<void()>& await_turn,
                const std::function<void(const Sample&)>& on_hang);
-
-/// After a pause caches are cold and threads start one by one; what they do meanwhile does not
-/// count.
-inline constexpr std::chrono::microseconds settling{1000};
 
 /// When a warm-up has become steady: every thread has done something, and the standard deviation of
 /// the last `steady_slices` slices is below `steady_variation` of their mean.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <set>
+#include <thread>
 
 #include "bench/conditions/claims.hpp"
 #include "bench/contention/busy_wait.hpp"
@@ -134,6 +135,10 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
 
 Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, Pass pass) {
   std::uint64_t seed = plan.seed + (std::uint64_t{row.cell} << 32) + repetition;
+  const auto processors = row.placement.processors.empty()
+                              ? std::max(1U, std::thread::hardware_concurrency())
+                              : static_cast<unsigned>(row.placement.processors.size());
+  const Turn turn = turn_of(row.cast.threads, processors);
   return {.queue = row.queue,
           .scenario = row.scenario,
           .producers = row.cast.producers,
@@ -145,7 +150,8 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pa
           .capacity = row.capacity,
           .processors = row.placement.processors,
           .seconds = plan.seconds,
-          .turns = pass == Pass::plain ? turns_in(plan.seconds) : 1,
+          .turns = pass == Pass::plain ? turns_in(plan.seconds, turn) : 1,
+          .settling_seconds = turn.settling_seconds,
           .warmup_seconds = plan.warmup,
           .patience_seconds = plan.patience,
           .pass = pass,

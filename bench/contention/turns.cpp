@@ -69,8 +69,14 @@ class Round {
 
 }  // namespace
 
-unsigned turns_in(double seconds) {
-  return static_cast<unsigned>(std::max(1L, std::lround(seconds / turn_seconds)));
+Turn turn_of(unsigned threads, unsigned processors) {
+  if (threads <= processors) return {};
+  const unsigned each = (threads + processors - 1) / processors;
+  return {.seconds = 0.02 * each, .settling_seconds = 0.005 * each};
+}
+
+unsigned turns_in(double seconds, const Turn& turn) {
+  return static_cast<unsigned>(std::max(1L, std::lround(seconds / turn.seconds)));
 }
 
 void measure_in_turns(const std::filesystem::path& program, std::span<const Job> jobs,

@@ -11,13 +11,20 @@
 
 namespace irt::contention {
 
-/// The seconds of a turn. The pace of a machine wanders over some hundred milliseconds, so that a
-/// lap of a few turns falls within one; and what a turn costs on top, `settling` and two switches,
-/// is small beside it.
-inline constexpr double turn_seconds = 0.008;
+/// How long one runs at a time.
+struct Turn {
+  double seconds = 0.008;
+  double settling_seconds = 0.001;  ///< before, while caches fill; not part of any figure
+};
+
+/// The turns of `threads` threads on `processors`. The pace of a machine wanders over some hundred
+/// milliseconds, so that a lap of a few turns of the default length falls within one, and what a
+/// turn costs on top is small beside it. More threads than processors need longer ones: until each
+/// has had the slices of time that the scheduler gives it, no lock holder has yet been put off.
+Turn turn_of(unsigned threads, unsigned processors);
 
 /// Turns that make up an interval of `seconds`; at least one.
-unsigned turns_in(double seconds);
+unsigned turns_in(double seconds, const Turn& turn);
 
 /// Measures `jobs`, which have as many turns each, in a process each that runs `program`. One after
 /// the other is started, makes its queue, warms up and is stopped; then they take turns, in an

@@ -232,6 +232,31 @@ TEST(Measurement, WithoutProcessorTimeNoOperationsAreNoFailure) {
   EXPECT_EQ(sample.status, "ok") << sample.message;
 }
 
+TEST(Measurement, AQueueThatNeverGivesAnythingHasFailed) {
+  /// Takes and gives nothing, at once.
+  struct Refusing {
+    static bool push(unsigned /*worker*/, std::uint64_t /*element*/) { return false; }
+    static bool pop(unsigned /*worker*/, std::uint64_t& /*element*/) { return false; }
+  };
+  Job job = job_for("pairs", 1);
+  job.seconds = 0.02;
+  job.warmup_seconds = 0;
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    const Sample sample = measure(
+        job,
+        [](unsigned, std::size_t, bool) -> std::unique_ptr<Subject> {
+          return std::make_unique<SubjectOf<Refusing>>(std::make_unique<Refusing>(), nullptr);
+        },
+        never);
+    ASSERT_EQ(sample.operations(), 0U);
+    if (sample.status == "ok") continue;  // the machine gave the thread too little
+    EXPECT_EQ(sample.status, "failed");
+    EXPECT_NE(sample.message.find("no operation succeeded"), std::string::npos);
+    return;
+  }
+  FAIL() << "never noticed";
+}
+
 TEST(Measurement, AProcessorThatIsNotThereIsSaid) {
   EXPECT_NE(bind_to(1'000'000), "");
   Job job = job_for("pairs", 1);

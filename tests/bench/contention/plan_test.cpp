@@ -217,6 +217,11 @@ TEST(Plan, LinesOfACellTakeTurnsAsManyAsFit) {
 TEST(Plan, OnlyRatesAreTakenInTurns) {
   const Plan plan;
   EXPECT_GT(job_of(plan, {}, 0, {}, Pass::plain).turns, 1U);
+  Row crowded;
+  crowded.cast.threads = 3;
+  crowded.placement.processors = {0, 1};
+  EXPECT_LT(job_of(plan, crowded, 0, {}, Pass::plain).turns,
+            job_of(plan, {}, 0, {}, Pass::plain).turns);
   EXPECT_EQ(job_of(plan, {}, 0, {}, Pass::stamped).turns, 1U);
   EXPECT_EQ(job_of(plan, {}, 0, {}, Pass::counted).turns, 1U);
 }

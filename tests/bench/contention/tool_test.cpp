@@ -87,7 +87,7 @@ TEST_F(Sweep, WritesEveryFigureThatItPromises) {
   RunningTool tool(IRT_CONTENTION,
                    with(quick, {"--queue", "lock,tbb", "--threads", "2", "--repetitions", "3",
                                 "--latency", "--json", directory / "copy.json"}));
-  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  EXPECT_EQ(tool.wait(), 0) << tool.err() << tool.out();
   ASSERT_EQ(runs().size(), 2U);
   EXPECT_EQ(runs(), json_of(directory / "copy.json"));
   const json run = runs()[0];

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/contention/measurement.hpp"
-
 namespace irt::contention {
 namespace {
 
@@ -23,7 +21,7 @@ Job job_for(const char* queue) {
   job.scenario = "pairs";
   job.capacity = 1024;
   job.seconds = 0.1;
-  job.turns = turns_in(job.seconds);
+  job.turns = turns_in(job.seconds, {});
   job.warmup_seconds = 0.06;
   job.patience_seconds = 1;
   if (std::string(queue) != "mutex" && std::string(queue) != "lock") job.plugins = {plugin(queue)};
@@ -44,9 +42,15 @@ std::map<std::string, Sample> measured(const std::vector<Job>& jobs,
 }
 
 TEST(Turns, MakeUpTheInterval) {
-  EXPECT_EQ(turns_in(0.001), 1U);
-  EXPECT_EQ(turns_in(0.2), 25U);
-  EXPECT_NEAR(1.0 / turns_in(1.0), turn_seconds, turn_seconds / 10);
+  EXPECT_EQ(turns_in(0.001, {}), 1U);
+  EXPECT_EQ(turns_in(0.2, {}), 25U);
+}
+
+TEST(Turns, AreLongerWhereThreadsShareProcessors) {
+  EXPECT_EQ(turn_of(4, 4).seconds, Turn().seconds);
+  EXPECT_GT(turn_of(5, 4).seconds, 4 * Turn().seconds);
+  EXPECT_GT(turn_of(5, 4).settling_seconds, Turn().settling_seconds);
+  EXPECT_GT(turn_of(9, 4).seconds, turn_of(5, 4).seconds);
 }
 
 TEST(Turns, NeverOverlapAndPausesDoNotCount) {
@@ -61,7 +65,7 @@ TEST(Turns, NeverOverlapAndPausesDoNotCount) {
     EXPECT_GE(sample.seconds, jobs[0].seconds) << queue;
     EXPECT_GT(sample.operations(), 0U) << queue;
     EXPECT_LE(sample.cpu_seconds, sample.seconds * 1.1) << queue;
-    together += sample.seconds + jobs[0].turns * std::chrono::duration<double>(settling).count();
+    together += sample.seconds + jobs[0].turns * jobs[0].settling_seconds;
   }
   EXPECT_LE(together, taken.count());
 }
