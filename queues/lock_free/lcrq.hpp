@@ -88,9 +88,10 @@ class ClosableRing {
   /// Takes the oldest word; false if there is none. Lock-free.
   bool take(std::uint64_t& word) {
     for (;;) {
-      // (2) seq_cst: pairs with (9). A pop that began after a push had returned may have overtaken
-      // this one; whoever has a later ticket must not miss that push there
-      const std::uint64_t ticket = head_.fetch_add(1, std::memory_order_seq_cst);
+      // (2) acq_rel: pairs with the one of the ticket before, and with (9). A pop that began after
+      // a push had returned may have overtaken this one; who has a later ticket must not miss that
+      // push there
+      const std::uint64_t ticket = head_.fetch_add(1, std::memory_order_acq_rel);
       if (empty(ticket, word)) return true;
       // (3) seq_cst: pairs with (1); an old tail would let us answer *empty* too early
       if ((tail_.load(std::memory_order_seq_cst) & ~closed) <= ticket + 1) {
