@@ -18,8 +18,8 @@ struct CheckSettings {
   bool progress = true;             ///< stop threads to see whether others go on
   bool quiet = false;               ///< say nothing while running
   bool reports = true;              ///< of findings; without, the first one ends the check at once
-  /// Calls are ordered by a clock, see QueueClient. None: in a search of its own, at last, if the
-  /// queue claims `fifo_real_time`.
+  /// Calls are ordered by a clock, see QueueClient. None: if the queue claims `fifo_real_time`,
+  /// wherever an order is weakened, and else in a search of its own, at last.
   std::optional<bool> real_time;
   Options options;
 };
