@@ -187,7 +187,8 @@ int validate(const SweepOptions& options, const std::atomic<bool>& interrupted) 
       });
   std::erase_if(all, [](const Published& each) { return each.simulated == 0; });
   fmt::print(
-      "published, and simulated from profiles that these figures took no part in\n"
+      "published, and simulated from profiles of single costs, to which these figures were not "
+      "fitted, but for LCRQ's plateau (docs/simulator.md)\n"
       "{:<20}{:<24}{:>8}{:>15}{:>15}{:>8}  {}\n",
       "machine", "queue", "threads", "measured Mops", "simulated Mops", "ratio", "measured as");
   unsigned outside = 0, judged = 0;
