@@ -1,11 +1,11 @@
 #include "bench/many_core/native.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <sched.h>
 #include <thread>
 
+#include "bench/contention/busy_wait.hpp"
 #include "queues/cache_line.hpp"
 
 namespace irt::many_core {
@@ -16,26 +16,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-// A chain of multiplications that nothing can shorten.
-void work(std::uint64_t steps) {
-  std::uint64_t x = steps | 1U;
-  for (std::uint64_t i = 0; i < steps; ++i) {
-    x = x * 6364136223846793005U + 1;
-    asm volatile("" : "+r"(x));
-  }
-}
-
-double steps_per_ns() {
-  constexpr std::uint64_t steps = 2'000'000;
-  double best = 1e9;
-  for (int i = 0; i < 7; ++i) {
-    const auto begin = Clock::now();
-    work(steps);
-    best = std::min(best, seconds_since(begin));
-  }
-  return static_cast<double>(steps) / (best * 1e9);
 }
 
 void bind_to(unsigned number) {
@@ -59,7 +39,7 @@ struct alignas(cache_line_pair) Count {
 
 std::vector<double> measure_pairs(const QueueEntry& queue, unsigned threads, double work_ns,
                                   double seconds, unsigned repetitions) {
-  const auto steps = static_cast<std::uint64_t>(work_ns * steps_per_ns());
+  const std::uint64_t steps = contention::steps_for(work_ns, contention::measure_pace());
   std::vector<double> rates;
   for (unsigned repetition = 0; repetition < repetitions; ++repetition) {
     const auto words = queue.make_word_queue(threads, 65536);
@@ -75,12 +55,12 @@ std::vector<double> measure_pairs(const QueueEntry& queue, unsigned threads, dou
         // relaxed: a hint
         while (!over.load(std::memory_order_relaxed)) {
           words->push(worker, worker + 1);
-          work(steps);
+          contention::busy_wait(steps);
           std::uint64_t element = 0;
           // relaxed: a hint
           while (!words->pop(worker, element) && !over.load(std::memory_order_relaxed)) {
           }
-          work(steps);
+          contention::busy_wait(steps);
           counts[worker].operations += 2;
         }
       });
