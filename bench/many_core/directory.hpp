@@ -11,8 +11,8 @@
 ///       `invalidate_per_sharer`; it leaves the line busy until the operation is done, and for its
 ///       `residence` at least, in which the owner's further operations are hits
 ///
-/// Who of those that wait is served next says arbitration.hpp. Every leg varies by up to a tenth and
-/// the residence by up to a half, from the run's seed, so that cores do not march in step.
+/// Who of those that wait is served next says arbitration.hpp. Every leg varies by up to a tenth
+/// and the residence by up to a half, from the run's seed, so that cores do not march in step.
 ///
 /// Not modelled: capacity (caches hold everything), prefetching, several requests of one core in
 /// flight (but for posted stores).
