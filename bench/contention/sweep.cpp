@@ -197,6 +197,7 @@ class Sweep {
     const auto skipped = std::erase_if(group, [&](unsigned row) { return hopeless(row); });
     for (std::size_t i = 0; i < skipped; ++i) progress.step();
     std::vector<Job> jobs;
+    jobs.reserve(group.size());
     for (const unsigned row : group) {
       jobs.push_back(job_of(plan_, rows_[row], repetition, calibration_.pace, pass));
     }
