@@ -216,9 +216,10 @@ void write_residence(Author& author, const Profile& profile, const std::vector<P
   if (cpus.size() < 2) return;
   const Spread run = measure_run(cpus[0], cpus[1]);
   if (run.bursts == 0) return;
-  const double hit = profile.rmw_hit;
+  const auto residence = [&](double in_a_row) { return (in_a_row - 0.5) * profile.rmw_hit; };
   author.write(
-      "residence", {run.median * hit, run.low * hit, run.high * hit, run.bursts, run.dropped},
+      "residence",
+      {residence(run.median), residence(run.low), residence(run.high), run.bursts, run.dropped},
       fmt::format("two cores in tight loops get {:.1f} fetch-and-adds done in a row", run.median));
 }
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <sys/resource.h>
 
+#include "bench/contention/random.hpp"
 #include "bench/many_core/contended.hpp"
 #include "bench/many_core/hot_lines.hpp"
 #include "queues/work_queue.hpp"
@@ -179,13 +180,9 @@ class Run {
     return done;
   }
 
-  // A factor within a tenth of one, so that threads do not march in step (SplitMix, Steele, Lea
-  // and Flood 2014).
+  // A factor within a tenth of one, so that threads do not march in step.
   static double vary(Worker& me) {
-    std::uint64_t z = (me.random += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return 0.9 + 0.2 * static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
+    return 0.9 + 0.2 * static_cast<double>(contention::next_random(me.random) >> 11U) * 0x1p-53;
   }
 
   // What went in and did not come out is still there.

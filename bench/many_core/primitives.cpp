@@ -431,6 +431,7 @@ Spread measure_run(Cpu a, Cpu b) {
         for (unsigned i = 0; i < bursts; ++i) {
           unsigned runs = 0;
           for (unsigned k = 0; k < per_burst; ++k) {
+            // relaxed, here and below: a counter, and a hint to stop
             const std::uint64_t mine = line.word.fetch_add(1, std::memory_order_relaxed);
             runs += mine != last + 1 ? 1 : 0;
             last = mine;
