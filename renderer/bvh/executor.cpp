@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "renderer/engine/spin_wait.hpp"
+
 namespace irt {
 
 ThreadExecutor::ThreadExecutor(unsigned threads) {
@@ -10,11 +12,8 @@ ThreadExecutor::ThreadExecutor(unsigned threads) {
 }
 
 ThreadExecutor::~ThreadExecutor() {
-  {
-    const std::lock_guard lock(mutex_);
-    leaving_ = true;
-  }
-  changed_.notify_all();
+  gate_ |= leaving;
+  gate_.notify_all();
   for (std::thread& helper : helpers_) helper.join();
 }
 
@@ -23,36 +22,54 @@ void ThreadExecutor::for_each(std::size_t count, const std::function<void(std::s
     for (std::size_t i = 0; i < count; ++i) job(i);
     return;
   }
-  {
-    const std::lock_guard lock(mutex_);
-    job_ = &job;
-    count_ = count;
-    next_.store(0, std::memory_order_relaxed);  // the mutex orders it before the helpers' reads
-    busy_ = helpers_.size();
-    ++round_;
-  }
-  changed_.notify_all();
+  job_ = &job;
+  count_ = count;
+  // Relaxed: nobody is inside, and the gate publishes it.
+  next_.store(0, std::memory_order_relaxed);
+  gate_ = (gate_ / one_round + 1) * one_round | open;
+  gate_.notify_all();
   work();
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return busy_ == 0; });
+  std::uint32_t gate = gate_ &= ~open;
+  while ((gate & inside) != 0) {
+    if (spin(gate)) continue;
+    gate = gate_ |= caller_sleeps;
+    if ((gate & inside) != 0) gate_.wait(gate);
+    gate = gate_;
+  }
 }
 
 void ThreadExecutor::work() {
-  // Relaxed: only the number matters. The mutex carries what the jobs write to the caller.
+  // Relaxed: only the number matters. The gate carries what the jobs read and write.
   for (std::size_t i = 0; (i = next_.fetch_add(1, std::memory_order_relaxed)) < count_;) (*job_)(i);
 }
 
+bool ThreadExecutor::spin(std::uint32_t& seen) const {
+  constexpr int attempts = 64;
+  SpinWait wait;
+  for (int i = 0; i < attempts; ++i) {
+    if (const std::uint32_t gate = gate_; gate != seen) {
+      seen = gate;
+      return true;
+    }
+    wait();
+  }
+  return false;
+}
+
 void ThreadExecutor::help() {
-  std::uint64_t seen = 0;
-  std::unique_lock lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [&] { return leaving_ || round_ != seen; });
-    if (leaving_) return;
-    seen = round_;
-    lock.unlock();
-    work();
-    lock.lock();
-    if (--busy_ == 0) changed_.notify_all();
+  std::uint32_t last = 0;  // the round that this helper has been in
+  std::uint32_t gate = gate_;
+  while ((gate & leaving) == 0) {
+    if ((gate & open) == 0 || gate / one_round == last) {
+      if (spin(gate)) continue;
+      gate_.wait(gate);
+      gate = gate_;
+    } else if (gate_.compare_exchange_weak(gate, gate + 1)) {
+      last = gate / one_round;
+      work();
+      gate = --gate_;
+      if ((gate & inside) == 0 && (gate & caller_sleeps) != 0) gate_.notify_all();
+    }
   }
 }
 

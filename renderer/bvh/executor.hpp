@@ -2,13 +2,13 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
+
+#include "queues/cache_line.hpp"
 
 namespace irt {
 
@@ -25,7 +25,10 @@ class Executor {
   virtual void for_each(std::size_t count, const std::function<void(std::size_t)>& job) = 0;
 };
 
-/// The calling thread and `threads - 1` of its own, which sleep between calls.
+/// The calling thread and `threads - 1` helpers of its own. A helper that has nothing to do looks
+/// for the next call for some ten microseconds, then sleeps. A call waits for the helpers that are
+/// at work, not for those that are late: with more threads than cores, it costs little more than
+/// the jobs.
 class ThreadExecutor final : public Executor {
  public:
   /// 0 threads stand for as many as the machine has cores.
@@ -35,17 +38,24 @@ class ThreadExecutor final : public Executor {
   void for_each(std::size_t count, const std::function<void(std::size_t)>& job) override;
 
  private:
+  // What the gate says. A helper enters by adding 1 while the gate is open, and leaves by
+  // subtracting it; only the caller opens and closes, and it opens when all have left.
+  static constexpr std::uint32_t inside = 0xffff;  ///< helpers at work
+  static constexpr std::uint32_t open = 1u << 16;
+  static constexpr std::uint32_t caller_sleeps = 1u << 17;
+  static constexpr std::uint32_t leaving = 1u << 18;
+  static constexpr std::uint32_t one_round = 1u << 19;  ///< the bits from here up count calls
+
   void help();
   void work();
+  /// Looks at the gate for a while; true once it says something else than `seen`, which it then is.
+  bool spin(std::uint32_t& seen) const;
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
+  alignas(cache_line_pair) std::atomic<std::uint32_t> gate_ = 0;
+  // Written before the gate opens, read by those inside.
   const std::function<void(std::size_t)>* job_ = nullptr;
   std::size_t count_ = 0;
-  std::atomic<std::size_t> next_ = 0;
-  std::size_t busy_ = 0;  ///< helpers that have not finished the present round
-  std::uint64_t round_ = 0;
-  bool leaving_ = false;
+  alignas(cache_line_pair) std::atomic<std::size_t> next_ = 0;
   std::vector<std::thread> helpers_;
 };
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <memory>
+#include <numeric>
+#include <vector>
 
 #include "renderer/bvh/triangles.hpp"
 
@@ -14,14 +14,20 @@
 #include <hwy/highway.h>
 
 #include "renderer/bvh/wide_split-inl.hpp"
+#include "renderer/bvh/wide_top-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace irt::HWY_NAMESPACE {
 
-/// Nodes and blocks of one part of the tree, and what they add to the cost.
+/// The inner nodes and leaves of one part of the tree, and what they add to the cost.
 struct Part {
+  struct Leaf {
+    const Reference* references;
+    std::uint32_t count;
+  };
   std::vector<WideNode> nodes;
-  std::vector<WideBlock> blocks;
+  std::vector<Leaf> leaves;
+  std::uint32_t blocks = 0;  ///< that the leaves will fill
   double cost = 0;
 };
 
@@ -31,16 +37,16 @@ class Builder {
       : mesh_(mesh),
         executor_(executor),
         count_(static_cast<std::uint32_t>(mesh.triangles.size())),
-        buffers_{allocate(count_), allocate(count_)},
+        buffers_(count_),
+        chunk_(std::clamp(count_ / 64, 1024u, 8192u)),
         subtree_(std::clamp(count_ / 32, 1024u, 16384u)) {}
 
   WideBvh build() {
     if (count_ == 0) return {};
-    Range root{0, count_, 0, 0, 0, {}, {}};
-    gather(root);
-    Part top;
-    add_node(top, root, true);
-    return assemble(std::move(top), root);
+    pieces_.push_back({gather()});
+    split_top();
+    build_subtrees();
+    return assemble();
   }
 
  private:
@@ -49,41 +55,27 @@ class Builder {
     Range range;
     std::uint32_t parent;
     int slot;
+    WideChild root;  ///< within the part
     Part part;
   };
 
-  /// Triangles per job of a pass over many.
-  static constexpr std::uint32_t chunk = 8192;
-
-  struct Release {
-    void operator()(Reference* data) const { ::operator delete (data, std::align_val_t{64}); }
-  };
-  using Buffer = std::unique_ptr<Reference[], Release>;
-  static Buffer allocate(std::uint32_t count) {
-    return Buffer(
-        static_cast<Reference*>(::operator new (count * sizeof(Reference), std::align_val_t{64})));
-  }
-
-  template <class Job>
-  void in_chunks(std::uint32_t count, const Job& job) const {
-    const std::uint32_t chunks = (count + chunk - 1) / chunk;
+  /// The range of all triangles. Fills the first buffer with their boxes and finds the unit of
+  /// length.
+  Range gather() {
+    const std::uint32_t chunks = (count_ + chunk_ - 1) / chunk_;
+    std::vector<Box> boxes(chunks);
+    std::vector<CenterBounds> centers(chunks);
+    Range root{0, count_, 0, 0, 0, {}, {}};
+    Reference* const references = buffers_.of(root);
     executor_.for_each(chunks, [&](std::size_t i) {
-      const auto begin = static_cast<std::uint32_t>(i) * chunk;
-      job(i, begin, std::min(count, begin + chunk));
-    });
-  }
-
-  /// Fills the first buffer with every triangle's box and finds the unit of length.
-  void gather(Range& root) {
-    std::vector<Box> boxes((count_ + chunk - 1) / chunk);
-    std::vector<CenterBounds> centers(boxes.size());
-    in_chunks(count_, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
+      const std::uint32_t begin = static_cast<std::uint32_t>(i) * chunk_;
+      const std::uint32_t end = std::min(count_, begin + chunk_);
       for (std::uint32_t triangle = begin; triangle < end; ++triangle) {
         const Box box = padded_bounds(triangle_of(mesh_, triangle));
-        buffers_[0][triangle] = Reference(box, triangle);
+        references[triangle] = Reference(box, triangle);
         boxes[i].grow(box);
       }
-      centers[i] = center_bounds(&buffers_[0][begin], end - begin);
+      centers[i] = center_bounds(references + begin, end - begin);
     });
     for (const Box& box : boxes) root.box.grow(box);
     for (const CenterBounds& some : centers) root.centers.add(some);
@@ -92,214 +84,227 @@ class Builder {
     // A power of two scales without rounding, so areas neither overflow nor vanish.
     measure_.unit = std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -120, 120));
     root.area = measure_.half_area(root.box);
-    root_area_ = root.area > 0 ? root.area : 1;
+    return root;
   }
 
-  Reference* data(const Range& range) const { return buffers_[range.buffer].get() + range.begin; }
-  Reference* other(const Range& range) const {
-    return buffers_[1 - range.buffer].get() + range.begin;
-  }
-
-  Split find(const Range& range, bool together) const {
-    const std::uint32_t count = range.count();
-    if (!together || count <= chunk) {
-      return find_split(data(range), count, range.centers, measure_);
+  /// Splits pieces until every node of the top has the children it wants and all else is small
+  /// enough for a job.
+  void split_top() {
+    TopSplitter splitter(buffers_, measure_, chunk_, executor_);
+    std::vector<PieceToSplit> wanted;
+    for (int level = 0; level == 0 || !wanted.empty(); ++level) {
+      const std::size_t before = pieces_.size();
+      splitter.split(wanted, pieces_);
+      wanted.clear();
+      // Large pieces will be split in any case. In the wide tree they are no deeper than `level`.
+      for (std::size_t i = level == 0 ? 0 : before; i < pieces_.size(); ++i) {
+        if (pieces_[i].range.count() > subtree_ && level < wide_cost_depth) {
+          wanted.push_back({static_cast<std::uint32_t>(i), true});
+        }
+      }
+      if (!wanted.empty()) continue;
+      top_.clear();
+      subtrees_.clear();
+      cost_ = 0;
+      add_top_node(0, 0, wanted);
     }
-    const std::size_t chunks = (count + chunk - 1) / chunk;
-    const Binning binning(range.centers, count);
-    std::vector<Bins> bins(chunks);
-    in_chunks(count, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
-      bins[i].fill(data(range) + begin, end - begin, binning);
+  }
+
+  /// The one among `children` that is to be split next: of those too large for a leaf of one block
+  /// the one with the largest surface; -1 if there is none.
+  static int next_to_split(const Range* children, int count) {
+    int largest = -1;
+    for (int i = 0; i < count; ++i) {
+      if (children[i].count() <= wide_block) continue;
+      if (largest < 0 || children[i].area > children[largest].area) largest = i;
+    }
+    return largest;
+  }
+
+  /// Adds a node over a piece, and all top nodes below. Where pieces have yet to be split for that,
+  /// adds them to `wanted`, and what else it does is of no use.
+  std::uint32_t add_top_node(std::uint32_t piece, int depth, std::vector<PieceToSplit>& wanted) {
+    std::uint32_t pieces[wide_fanout] = {piece};
+    Range children[wide_fanout] = {pieces_[piece].range};
+    int count = 1;
+    while (count < wide_fanout) {
+      const int next = next_to_split(children, count);
+      if (next < 0) break;
+      const std::uint32_t left = pieces_[pieces[next]].left;
+      if (left == 0) {
+        wanted.push_back({pieces[next], depth < wide_cost_depth});
+        return 0;
+      }
+      pieces[next] = left;
+      pieces[count] = left + 1;
+      children[next] = pieces_[left].range;
+      children[count++] = pieces_[left + 1].range;
+    }
+    cost_ += pieces_[piece].range.area;
+    const auto node = static_cast<std::uint32_t>(top_.size());
+    top_.push_back(node_over(children, count));
+    for (int i = 0; i < count; ++i) {
+      if (children[i].count() > subtree_) {
+        const std::uint32_t below = add_top_node(pieces[i], depth + 1, wanted);
+        top_[node].child[i] = WideChild::inner(below);
+      } else {
+        children[i].depth = depth + 1;
+        subtrees_.push_back({children[i], node, i, {}, {}});
+      }
+    }
+    return node;
+  }
+
+  static WideNode node_over(const Range* children, int count) {
+    WideNode node = WideNode::without_children();
+    for (int i = 0; i < count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        node.plane[axis][i] = children[i].box.lo[axis];
+        node.plane[axis + 3][i] = children[i].box.hi[axis];
+      }
+    }
+    return node;
+  }
+
+  void build_subtrees() {
+    // The largest first, so that at the end no thread is left alone with one.
+    order_.resize(subtrees_.size());
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+      return subtrees_[a].range.count() > subtrees_[b].range.count();
     });
-    Bins all = bins[0];
-    for (std::size_t i = 1; i < chunks; ++i) all.add(bins[i], binning.bins);
-    Split split = all.best(binning, measure_);
-    if (split.found()) {
-      for (const Bins& some : bins) split.chunk_lefts.push_back(some.left_of(split));
-    }
-    return split;
-  }
-
-  /// Moves the range's triangles to the other buffer, first those left of the split. Their order is
-  /// kept, so it does not matter how many threads move them.
-  std::array<CenterBounds, 2> move(const Range& range, const Split& split) const {
-    const std::uint32_t count = range.count();
-    if (split.chunk_lefts.empty()) {
-      return partition(data(range), count, split, other(range), other(range) + split.left_count);
-    }
-    std::vector<std::uint32_t> lefts{0};
-    for (const std::uint32_t some : split.chunk_lefts) lefts.push_back(lefts.back() + some);
-    std::vector<std::array<CenterBounds, 2>> centers(split.chunk_lefts.size());
-    in_chunks(count, [&](std::size_t i, std::uint32_t begin, std::uint32_t end) {
-      Reference* const left = other(range) + lefts[i];
-      Reference* const right = other(range) + split.left_count + (begin - lefts[i]);
-      centers[i] = partition(data(range) + begin, end - begin, split, left, right);
+    executor_.for_each(order_.size(), [&](std::size_t i) {
+      Subtree& subtree = subtrees_[order_[i]];
+      subtree.part.nodes.reserve(subtree.range.count() / 8);
+      subtree.part.leaves.reserve(subtree.range.count() / 2);
+      subtree.root = add_child(subtree.part, subtree.range);
     });
-    for (std::size_t i = 1; i < centers.size(); ++i) {
-      for (std::size_t side = 0; side < 2; ++side) centers[0][side].add(centers[i][side]);
-    }
-    return centers[0];
   }
 
   /// Splits `range` in two: by `split`, or in the middle where that has found nothing.
   void divide(const Range& range, const Split& split, Range& left, Range& right) const {
-    left = right = range;
-    if (!split.found()) {
-      const std::uint32_t middle = range.begin + range.count() / 2;
-      left.end = right.begin = middle;
-      for (Range* half : {&left, &right}) {
-        half->box = bounds(data(*half), half->count());
-        half->area = measure_.half_area(half->box);
-        half->centers = center_bounds(data(*half), half->count());
-      }
-      return;
-    }
-    const std::array<CenterBounds, 2> centers = move(range, split);
-    left.centers = centers[0];
-    right.centers = centers[1];
-    left.end = right.begin = range.begin + split.left_count;
-    left.buffer = right.buffer = 1 - range.buffer;
-    left.box = split.left_box;
-    right.box = split.right_box;
-    left.area = split.left_area;
-    right.area = split.right_area;
+    if (!split.found()) return halve(buffers_, measure_, range, left, right);
+    Reference* const to = buffers_.other(range);
+    const std::array<CenterBounds, 2> centers =
+        partition(buffers_.of(range), range.count(), split, to, to + split.left_count);
+    part_by(split, centers, range, left, right);
   }
 
   /// The cheapest split, or none where the tree is too deep or nothing to split by is left.
-  Split split_of(const Range& range, bool together) const {
-    return range.depth < wide_cost_depth ? find(range, together) : Split{};
+  Split split_of(const Range& range) const {
+    if (range.depth >= wide_cost_depth) return {};
+    return find_split(buffers_.of(range), range.count(), range.centers, measure_);
+  }
+
+  WideChild add_child(Part& part, const Range& range) const {
+    if (range.count() <= wide_block) return add_leaf(part, range);
+    const Split split = split_of(range);
+    if (range.count() <= wide_most_in_leaf &&
+        range.area * blocks_of(range.count()) <= range.area + split.cost) {
+      return add_leaf(part, range);
+    }
+    return WideChild::inner(add_node(part, range, split));
   }
 
   /// Adds an inner node over `range` and all below it, in depth-first order; returns its index.
-  /// At the top, subtrees of a size for one job are noted and left out.
-  std::uint32_t add_node(Part& part, const Range& range, bool top) {
-    return add_node(part, range, split_of(range, top), top);
-  }
-
-  std::uint32_t add_node(Part& part, const Range& range, const Split& first, bool top) {
-    Range children[wide_fanout] = {range};
-    int count = 1;
-    if (range.count() > wide_block) {
-      const Split* split = &first;
-      Split found;
-      int largest = 0;
-      do {
-        const Range whole = children[largest];
-        divide(whole, *split, children[largest], children[count++]);
-        largest = -1;
-        if (count == wide_fanout) break;
-        for (int i = 0; i < count; ++i) {
-          if (children[i].count() <= wide_block) continue;
-          if (largest < 0 || children[i].area > children[largest].area) largest = i;
-        }
-        if (largest >= 0) {
-          found = split_of(children[largest], top);
-          split = &found;
-        }
-      } while (largest >= 0);
+  std::uint32_t add_node(Part& part, const Range& range, const Split& first) const {
+    Range children[wide_fanout];
+    divide(range, first, children[0], children[1]);
+    int count = 2;
+    while (count < wide_fanout) {
+      const int next = next_to_split(children, count);
+      if (next < 0) break;
+      const Range whole = children[next];
+      divide(whole, split_of(whole), children[next], children[count++]);
     }
     part.cost += range.area;
     const auto node = static_cast<std::uint32_t>(part.nodes.size());
-    part.nodes.emplace_back();
+    part.nodes.push_back(node_over(children, count));
     for (int i = 0; i < count; ++i) {
-      Range& child = children[i];
-      child.depth = range.depth + 1;
-      for (int axis = 0; axis < 3; ++axis) {
-        part.nodes[node].plane[axis][i] = child.box.lo[axis];
-        part.nodes[node].plane[axis + 3][i] = child.box.hi[axis];
-      }
-      if (top && child.count() > wide_most_in_leaf && child.count() <= subtree_) {
-        subtrees_.push_back({child, node, i, {}});
-        continue;
-      }
-      const WideChild below = add_child(part, child, top);
+      children[i].depth = range.depth + 1;
+      const WideChild below = add_child(part, children[i]);
       part.nodes[node].child[i] = below;
     }
     return node;
   }
 
-  WideChild add_child(Part& part, const Range& range, bool top) {
-    if (range.count() <= wide_block) return add_leaf(part, range);
-    const Split split = split_of(range, top);
-    if (range.count() <= wide_most_in_leaf &&
-        range.area * blocks_of(range.count()) <= range.area + split.cost) {
-      return add_leaf(part, range);
-    }
-    return WideChild::inner(add_node(part, range, split, top));
-  }
-
-  WideChild add_leaf(Part& part, const Range& range) {
-    const auto first = static_cast<std::uint32_t>(part.blocks.size());
-    const std::uint32_t count = range.count();
-    const std::uint32_t padded = (count + wide_block - 1) / wide_block * wide_block;
-    part.blocks.resize(first + padded / wide_block);
+  WideChild add_leaf(Part& part, const Range& range) const {
+    const std::uint32_t first = part.blocks, count = range.count();
+    part.leaves.push_back({buffers_.of(range), count});
+    part.blocks += (count + wide_block - 1) / wide_block;
     part.cost += range.area * blocks_of(count);
-    const Reference* const references = data(range);
-    for (std::uint32_t i = 0; i < padded; ++i) {
-      const std::uint32_t triangle = references[std::min(i, count - 1)].triangle();
-      float corners[3][3];
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 corner = mesh_.corner(triangle, k);
-        corners[k][0] = corner.x;
-        corners[k][1] = corner.y;
-        corners[k][2] = corner.z;
-      }
-      part.blocks[first + i / wide_block].set(static_cast<int>(i % wide_block), triangle, corners);
-    }
     return WideChild::leaf(first, count);
   }
 
-  WideBvh assemble(Part top, const Range& root) {
-    executor_.for_each(subtrees_.size(), [&](std::size_t i) {
-      Subtree& subtree = subtrees_[i];
-      subtree.part.nodes.reserve(subtree.range.count() / 8);
-      subtree.part.blocks.reserve(subtree.range.count() / 2);
-      add_node(subtree.part, subtree.range, false);
-    });
-    std::vector<std::size_t> node_base, block_base;
-    std::size_t nodes = top.nodes.size(), blocks = top.blocks.size();
-    double cost = top.cost;
+  WideBvh assemble() {
+    std::vector<std::uint32_t> node_base, block_base;
+    auto nodes = static_cast<std::uint32_t>(top_.size());
+    std::uint32_t blocks = 0;
     for (const Subtree& subtree : subtrees_) {
-      top.nodes[subtree.parent].child[subtree.slot] =
-          WideChild::inner(static_cast<std::uint32_t>(nodes));
+      top_[subtree.parent].child[subtree.slot] = subtree.root.moved(nodes, blocks);
       node_base.push_back(nodes);
       block_base.push_back(blocks);
-      nodes += subtree.part.nodes.size();
-      blocks += subtree.part.blocks.size();
-      cost += subtree.part.cost;
+      nodes += static_cast<std::uint32_t>(subtree.part.nodes.size());
+      blocks += subtree.part.blocks;
+      cost_ += subtree.part.cost;
     }
     WideBvh bvh;
-    bvh.sah_cost = cost / root_area_;
+    const Range& root = pieces_[0].range;
+    bvh.sah_cost = cost_ / (root.area > 0 ? root.area : 1);
     bvh.box = root.box;
-    bvh.nodes = std::move(top.nodes);
-    bvh.blocks = std::move(top.blocks);
     bvh.nodes.resize(nodes);
     bvh.blocks.resize(blocks);
-    executor_.for_each(subtrees_.size(), [&](std::size_t i) {
-      const Part& part = subtrees_[i].part;
-      std::copy(part.blocks.begin(), part.blocks.end(),
-                bvh.blocks.begin() + static_cast<std::ptrdiff_t>(block_base[i]));
-      WideNode* to = bvh.nodes.data() + node_base[i];
-      for (const WideNode& node : part.nodes) {
-        *to = node;
-        for (WideChild& child : to->child) {
-          child = child.moved(static_cast<std::uint32_t>(node_base[i]),
-                              static_cast<std::uint32_t>(block_base[i]));
-        }
-        ++to;
-      }
+    std::copy(top_.begin(), top_.end(), bvh.nodes.begin());
+    executor_.for_each(order_.size(), [&](std::size_t i) {
+      const std::size_t at = order_[i];
+      write(subtrees_[at].part, node_base[at], block_base[at], bvh);
     });
     return bvh;
+  }
+
+  /// Puts a part to its place.
+  void write(const Part& part, std::uint32_t first_node, std::uint32_t first_block,
+             WideBvh& bvh) const {
+    WideNode* to = bvh.nodes.data() + first_node;
+    for (const WideNode& node : part.nodes) {
+      *to = node;
+      for (WideChild& child : to->child) child = child.moved(first_node, first_block);
+      ++to;
+    }
+    WideBlock* block = bvh.blocks.data() + first_block;
+    for (const Part::Leaf& leaf : part.leaves) {
+      for (std::uint32_t i = 0; i < leaf.count; i += wide_block) {
+        for (std::uint32_t lane = 0; lane < wide_block; ++lane) {
+          set_lane(*block, lane, leaf.references[std::min(i + lane, leaf.count - 1)].triangle());
+        }
+        ++block;
+      }
+    }
+  }
+
+  void set_lane(WideBlock& block, std::uint32_t lane, std::uint32_t triangle) const {
+    float corners[3][3];
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 corner = mesh_.corner(triangle, k);
+      corners[k][0] = corner.x;
+      corners[k][1] = corner.y;
+      corners[k][2] = corner.z;
+    }
+    block.set(static_cast<int>(lane), triangle, corners);
   }
 
   const Mesh& mesh_;
   Executor& executor_;
   std::uint32_t count_;
-  Buffer buffers_[2];
+  Buffers buffers_;
+  std::uint32_t chunk_;    ///< triangles at most in a chunk of a pass that all threads share
   std::uint32_t subtree_;  ///< triangles at most in the subtree that one job builds
   Measure measure_;
-  float root_area_ = 1;
+  std::vector<Piece> pieces_;
+  std::vector<WideNode> top_;
   std::vector<Subtree> subtrees_;
+  std::vector<std::size_t> order_;  ///< in which subtrees are built
+  double cost_ = 0;
 };
 
 WideBvh build(const Mesh& mesh, Executor& executor) {

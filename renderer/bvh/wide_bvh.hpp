@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "renderer/tracing/intersection.hpp"
@@ -47,7 +49,8 @@ class WideChild {
 };
 static_assert(wide_most_in_leaf <= 8, "a leaf's count has three bits");
 
-/// Up to eight children. Lanes without one have an empty box, which no ray enters.
+/// Up to eight children. Lanes without one have an empty box, which no ray enters. A node is left
+/// uninitialized by default, so that the threads of a build can be the first to touch its memory.
 struct alignas(32) WideNode {
   static constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -55,14 +58,16 @@ struct alignas(32) WideNode {
   float plane[6][wide_fanout];
   WideChild child[wide_fanout];
 
-  WideNode() {
+  static WideNode without_children() {
+    WideNode node;
     for (int axis = 0; axis < 3; ++axis) {
       for (int i = 0; i < wide_fanout; ++i) {
-        plane[axis][i] = infinity;
-        plane[axis + 3][i] = -infinity;
+        node.plane[axis][i] = infinity;
+        node.plane[axis + 3][i] = -infinity;
       }
     }
-    for (WideChild& none : child) none = WideChild::inner(0);
+    for (WideChild& none : node.child) none = WideChild::inner(0);
+    return node;
   }
 };
 
@@ -86,11 +91,29 @@ struct WideLeaf {
   std::uint32_t count;  ///< of triangles, in [1, wide_most_in_leaf]
 };
 
+/// Leaves what a vector grows by uninitialized.
+template <class T>
+struct Uninitialized : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Uninitialized<U>;
+  };
+  using std::allocator<T>::allocator;
+  template <class U, class... Arguments>
+  void construct(U* at, Arguments&&... arguments) {
+    if constexpr (sizeof...(Arguments) == 0) {
+      ::new (static_cast<void*>(at)) U;
+    } else {
+      std::construct_at(at, std::forward<Arguments>(arguments)...);
+    }
+  }
+};
+
 /// Nodes in depth-first order, the root first, and the blocks in the order of their leaves.
 /// Without triangles there are no nodes.
 struct WideBvh {
-  std::vector<WideNode> nodes;
-  std::vector<WideBlock> blocks;
+  std::vector<WideNode, Uninitialized<WideNode>> nodes;
+  std::vector<WideBlock, Uninitialized<WideBlock>> blocks;
   /// Expected cost of a ray that enters the root: 1 per node and 1 per block of four triangles,
   /// each weighted by its share of the root's surface (MacDonald and Booth 1990).
   double sah_cost = 0;

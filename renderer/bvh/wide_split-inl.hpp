@@ -13,7 +13,8 @@
 #include <cstdint>
 #include <hwy/highway.h>
 #include <limits>
-#include <vector>
+#include <memory>
+#include <new>
 
 #include "renderer/bvh/wide_bvh.hpp"
 #include "renderer/tracing/intersection.hpp"
@@ -96,6 +97,28 @@ struct Measure {
   }
 };
 
+/// The references twice: a split moves those of a range from one buffer to the other.
+class Buffers {
+ public:
+  explicit Buffers(std::uint32_t count) : data_{allocate(count), allocate(count)} {}
+
+  Reference* of(const Range& range) const { return data_[range.buffer].get() + range.begin; }
+  Reference* other(const Range& range) const { return data_[1 - range.buffer].get() + range.begin; }
+
+ private:
+  struct Release {
+    void operator()(Reference* data) const { ::operator delete (data, std::align_val_t{64}); }
+  };
+  using Data = std::unique_ptr<Reference[], Release>;
+
+  static Data allocate(std::uint32_t count) {
+    return Data(
+        static_cast<Reference*>(::operator new (count * sizeof(Reference), std::align_val_t{64})));
+  }
+
+  Data data_[2];
+};
+
 inline float blocks_of(std::uint32_t count) {
   const std::uint32_t blocks = (count + wide_block - 1) / wide_block;
   return static_cast<float>(blocks);
@@ -160,8 +183,6 @@ struct Split {
   std::uint32_t left_count = 0;
   float left_area = 0, right_area = 0;
   Box left_box, right_box;
-  std::vector<std::uint32_t>
-      chunk_lefts;  ///< per chunk, where the references were binned in chunks
 
   bool found() const { return axis >= 0; }
   HWY_INLINE bool goes_right(const Reference& reference) const {
@@ -309,6 +330,27 @@ inline std::array<CenterBounds, 2> partition(const Reference* references, std::u
   std::array<CenterBounds, 2> centers;
   for (int k = 0; k < 2; ++k) centers[static_cast<std::size_t>(k)].set(lower[k], upper[k]);
   return centers;
+}
+
+/// The halves of a range whose references `split` has moved to the other buffer.
+inline void part_by(const Split& split, const std::array<CenterBounds, 2>& centers,
+                    const Range& range, Range& left, Range& right) {
+  const std::uint32_t middle = range.begin + split.left_count, buffer = 1 - range.buffer;
+  right = {middle, range.end, buffer, range.depth, split.right_area, split.right_box, centers[1]};
+  left = {range.begin, middle, buffer, range.depth, split.left_area, split.left_box, centers[0]};
+}
+
+/// The halves of a range that nothing tells where to split.
+inline void halve(const Buffers& buffers, const Measure& measure, const Range& range, Range& left,
+                  Range& right) {
+  const std::uint32_t middle = range.begin + range.count() / 2;
+  left = right = range;
+  left.end = right.begin = middle;
+  for (Range* half : {&left, &right}) {
+    half->box = bounds(buffers.of(*half), half->count());
+    half->area = measure.half_area(half->box);
+    half->centers = center_bounds(buffers.of(*half), half->count());
+  }
 }
 
 }  // namespace irt::HWY_NAMESPACE

@@ -1,9 +1,11 @@
 /// The wide builder: the same tree whoever builds it, and a tree that is one.
 #include "renderer/bvh/wide_build.hpp"
 
+#include <chrono>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
+#include <thread>
 #include <vector>
 
 #include "tests/renderer/bvh/meshes.hpp"
@@ -125,6 +127,17 @@ TEST(ThreadExecutor, CallsEveryJobOnce) {
     executor.for_each(count, [&](std::size_t i) { ++called[i]; });
     for (const auto& times : called) ASSERT_EQ(times, 1);
   }
+}
+
+TEST(ThreadExecutor, ShortCallsInARowSeeWhatTheLastOnesWrote) {
+  ThreadExecutor executor(5);  // more than cores: helpers come late, sleep, or miss a call
+  std::vector<std::size_t> values(7);
+  constexpr std::size_t calls = 3000;
+  for (std::size_t call = 0; call < calls; ++call) {
+    executor.for_each(values.size(), [&](std::size_t i) { values[i] += (call + i) % 3; });
+    if (call % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  for (const std::size_t value : values) ASSERT_EQ(value, calls);
 }
 
 }  // namespace
