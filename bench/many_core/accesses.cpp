@@ -40,10 +40,8 @@ std::uint64_t bytes_of(std::uintptr_t address, std::size_t size) {
 // A line that is new to simulated time is where reality would have left it: memory that thread 0
 // made before the run in the cache of its core; what a thread's allocator has just taken from the
 // system, which the kernel has cleared there, in the cache of the thread's; anything else nowhere.
-Line& Machine::line_of(const Thread& me, std::uintptr_t address) {
-  const std::uint64_t number = address / line_bytes;
-  if (Line* line = directory_.find(number); line != nullptr) return *line;
-  Line& line = directory_.make(number);
+Line& Machine::new_line(const Thread& me, std::uintptr_t address) {
+  Line& line = directory_.make(address / line_bytes);
   unsigned core = me.core;
   if (heap_.owns(address)) {
     const bool fresh = heap_.is_fresh(address);
@@ -74,6 +72,17 @@ void Machine::fetch(Thread& me, Line& line, Want want, const void* pc, std::uint
 // --- Reads -----------------------------------------------------------------------------------
 
 void Machine::read_line(Thread& me, std::uintptr_t address, std::uint64_t bytes, const void* pc) {
+  Line* line = directory_.find(address / line_bytes);
+  if (line != nullptr && line->held_by(me.core) && is_next(me, ahead_of(me, *line))) {
+    watch(me, *line);
+  } else {
+    line = &read_after_others(me, address, bytes, pc);
+  }
+  line->read |= bytes;
+}
+
+Line& Machine::read_after_others(Thread& me, std::uintptr_t address, std::uint64_t bytes,
+                                 const void* pc) {
   Line& line = line_of(me, address);
   sync(me, ahead_of(me, line));
   if (line.held_by(me.core)) {
@@ -81,12 +90,12 @@ void Machine::read_line(Thread& me, std::uintptr_t address, std::uint64_t bytes,
   } else {
     fetch(me, line, Want::copy, pc, bytes);
   }
-  line.read |= bytes;
+  return line;
 }
 
 void Machine::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
   if (!timed_) return;
-  Thread& me = current();
+  Thread& me = *me_;
   if (address - me.stack < me.stack_bytes) {
     me.clock += me.costs->plain_op;
     return;
@@ -108,7 +117,7 @@ void Machine::plain_read(std::uintptr_t address, std::size_t size, const void* p
 
 Value Machine::load(const Access& access) {
   if (!timed_) return Tenant::load(access);
-  Thread& me = current();
+  Thread& me = *me_;
   ++counts_.accesses;
   // The newest store of this thread to the same word is what it reads, done or not.
   for (std::size_t i = me.stores.size(); i-- > 0;) {
@@ -135,10 +144,23 @@ Value Machine::load(const Access& access) {
 // Gets the line of an operation that must be the only one there while it is done.
 Line& Machine::own(Thread& me, const Access& access, bool arithmetic) {
   ++counts_.accesses;
+  const std::uint64_t bytes = bytes_of(access.address, access.size);
+  Line* line = directory_.find(access.address / line_bytes);
+  if (line != nullptr && line->owner == me.core && me.stores.empty() && me.clock >= me.committed &&
+      is_next(me, ahead_of(me, *line))) {
+    watch(me, *line);
+  } else {
+    line = &own_after_others(me, access, bytes, arithmetic);
+  }
+  line->written |= bytes;
+  return *line;
+}
+
+Line& Machine::own_after_others(Thread& me, const Access& access, std::uint64_t bytes,
+                                bool arithmetic) {
   drain(me);
   Line& line = line_of(me, access.address);
   sync(me, ahead_of(me, line));
-  const std::uint64_t bytes = bytes_of(access.address, access.size);
   if (line.owner == me.core) {
     watch(me, line);
   } else {
@@ -146,7 +168,6 @@ Line& Machine::own(Thread& me, const Access& access, bool arithmetic) {
     const bool far = arithmetic && profile_.far_atomic > 0 && line.used && line.last != me.core;
     fetch(me, line, far ? Want::far : Want::ownership, access.pc, bytes);
   }
-  line.written |= bytes;
   return line;
 }
 
@@ -159,10 +180,14 @@ void Machine::finish_update(Thread& me, Line& line, bool changed) {
 
 Value Machine::modify(const Access& access, Operation operation, Value operand) {
   if (!timed_) return Tenant::modify(access, operation, operand);
-  Thread& me = current();
+  Thread& me = *me_;
   Line& line = own(me, access, true);
   const Value before = read_memory(access.address, access.size);
-  const Value after = virtual_cores::apply(operation, before, operand, access.size);
+  const Value after =
+      access.size == 8
+          ? virtual_cores::apply<std::uint64_t>(operation, static_cast<std::uint64_t>(before),
+                                                static_cast<std::uint64_t>(operand), 8)
+          : virtual_cores::apply<Value>(operation, before, operand, access.size);
   write_memory(access.address, access.size, after);
   finish_update(me, line, before != after);
   return before;
@@ -171,7 +196,7 @@ Value Machine::modify(const Access& access, Operation operation, Value operand) 
 bool Machine::compare_exchange(const Access& access, Order failure, bool weak, Value& expected,
                                Value desired) {
   if (!timed_) return Tenant::compare_exchange(access, failure, weak, expected, desired);
-  Thread& me = current();
+  Thread& me = *me_;
   Line& line = own(me, access, false);
   const Value before = read_memory(access.address, access.size);
   const bool equal = before == expected;
@@ -184,7 +209,7 @@ bool Machine::compare_exchange(const Access& access, Order failure, bool weak, V
 
 void Machine::fence(Order order, const void* /*pc*/) {
   if (!timed_ || order != Order::seq_cst) return;
-  Thread& me = current();
+  Thread& me = *me_;
   drain(me);
   me.clock += me.costs->rmw_hit;
 }
@@ -256,7 +281,7 @@ void Machine::store(const Access& access, Value value) {
     Tenant::store(access, value);
     return;
   }
-  Thread& me = current();
+  Thread& me = *me_;
   const bool strong = access.order == Order::seq_cst;  // an exchange, on x86
   if (strong) {
     Line& line = own(me, access, true);
@@ -283,7 +308,7 @@ void Machine::store(const Access& access, Value value) {
 
 void Machine::plain_write(std::uintptr_t address, std::size_t size, const void* pc) {
   if (!timed_) return;
-  Thread& me = current();
+  Thread& me = *me_;
   if (address - me.stack < me.stack_bytes) {
     me.clock += me.costs->plain_op;
     return;

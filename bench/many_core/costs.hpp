@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -32,13 +33,13 @@ struct LocalCosts {
 /// side, then the cores of a cache, and so on. The simulator numbers them so.
 class Topology {
  public:
-  explicit Topology(const Profile& profile) : places_(profile.threads()) {
-    for (unsigned thread = 0; thread < places_.size(); ++thread) {
-      const unsigned core = profile.core_of(thread);
-      places_[place_of(profile, thread)] = {static_cast<std::uint16_t>(core),
-                                            static_cast<std::uint16_t>(profile.cache_of(thread)),
-                                            static_cast<std::uint16_t>(profile.node_of(thread)),
-                                            static_cast<std::uint16_t>(profile.socket_of(thread))};
+  explicit Topology(const Profile& profile) : paths_(profile.threads()) {
+    for (unsigned thread = 0; thread < paths_.size(); ++thread) {
+      std::uint64_t path = 0;
+      for (const unsigned group : {profile.socket_of(thread), profile.node_of(thread),
+                                   profile.cache_of(thread), profile.core_of(thread), thread})
+        path = path << level_bits | group;
+      paths_[place_of(profile, thread)] = path;
     }
   }
 
@@ -48,22 +49,20 @@ class Topology {
   }
 
   Distance distance(unsigned a, unsigned b) const {
-    if (a == b) return Distance::self;
-    const Place& x = places_[a];
-    const Place& y = places_[b];
-    if (x.core == y.core) return Distance::smt_sibling;
-    if (x.cache == y.cache) return Distance::same_cache;
-    if (x.node == y.node) return Distance::same_node;
-    return x.socket == y.socket ? Distance::same_socket : Distance::other_socket;
+    const auto differ = static_cast<unsigned>(std::bit_width(paths_[a] ^ paths_[b]));
+    return static_cast<Distance>((differ + level_bits - 1) / level_bits);
   }
-  unsigned core(unsigned place) const { return places_[place].core; }
-  unsigned socket(unsigned place) const { return places_[place].socket; }
+  unsigned socket(unsigned place) const {
+    return static_cast<unsigned>(paths_[place] >> 4 * level_bits);
+  }
 
  private:
-  struct Place {
-    std::uint16_t core, cache, node, socket;
-  };
-  std::vector<Place> places_;
+  static constexpr unsigned level_bits = 12;
+  static_assert(max_cores <= 1U << level_bits);
+
+  // Socket, node, cache, core and thread, the socket in the highest bits: the highest level in
+  // which two differ is their distance.
+  std::vector<std::uint64_t> paths_;
 };
 
 }  // namespace irt::many_core

@@ -42,8 +42,7 @@ Line& Directory::make(std::uint64_t number) {
   if (2 * lines_.size() >= slots_.size()) grow();
   Line& line = lines_.emplace_back();
   line.number = number;
-  line.event.of_line = true;
-  line.event.index = static_cast<std::uint32_t>(lines_.size() - 1);
+  line.event.line = &line;
   std::size_t at = slot_of(number);
   while (slots_[at].line != nullptr) at = (at + 1) & (slots_.size() - 1);
   slots_[at] = {number, &line};
@@ -60,12 +59,6 @@ void Directory::grow() {
   }
 }
 
-// Uniform within a share of `time`.
-Time Directory::vary(Time time, Share share) {
-  return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) /
-                    (1024 * static_cast<Time>(share));
-}
-
 const Directory::Way& Directory::way(unsigned from, unsigned to, unsigned home, bool clean) const {
   const bool remote = home != topology_.socket(to);
   return ways_[(remote ? 2U : 0U) + (clean ? 1U : 0U)]
@@ -80,7 +73,7 @@ const Directory::Way& Directory::way_to(const Line& line, unsigned core) const {
 
 void Directory::send(Line& line, Request& request, Time now) {
   const Time request_way = line.owner == request.core ? 0 : way_to(line, request.core).request;
-  request.arrival = std::max(request.issued + vary(request_way), now);
+  request.arrival = std::max(request.issued + vary<10>(request_way), now);
   if (line.waiting == nullptr) {
     if (unused_.empty())
       unused_.push_back(&waitings_.emplace_back(static_cast<unsigned>(bus_free_.size())));
@@ -152,12 +145,12 @@ Directory::Served Directory::serve(Line& line, Time now) {
     const unsigned others = line.sharer_count - (holds ? 1U : 0U);
     const Time extra = contended ? conflict_ : 0;
     done = start + extra;
-    if (!holds || others == 0) done += vary(way_to(line, core).data);
+    if (!holds || others == 0) done += vary<10>(way_to(line, core).data);
     if (request.want != Want::copy && others != 0) {
       // Every other copy is given up; the farthest answer counts.
       const Time answer =
-          vary(std::max(way(line.sharers.lowest(core), core, line.home, false).data,
-                        way(line.sharers.highest(core), core, line.home, false).data));
+          vary<10>(std::max(way(line.sharers.lowest(core), core, line.home, false).data,
+                            way(line.sharers.highest(core), core, line.home, false).data));
       done = std::max(done, start + extra + answer) + per_sharer_ * static_cast<Time>(others - 1);
     }
     note(line, request, done);
@@ -186,7 +179,7 @@ Directory::Served Directory::serve(Line& line, Time now) {
       done = std::max(done, line.read_done);
       line.drop_sharers();
       line.owner = line.last = core;
-      line.available = done + std::max(vary(residence_, half), request.posted ? store_ : rmw_);
+      line.available = done + std::max(vary<2>(residence_), request.posted ? store_ : rmw_);
       break;
     case Want::far:
       // The operation is done at the home as soon as the owner has given the line up; the answer

@@ -40,24 +40,25 @@ struct Site {
 
 struct Watch;
 
-struct Line {
+/// What a hit uses comes first and lies together.
+struct alignas(line_bytes) Line {
   std::uint64_t number = 0;  ///< address / 64
   Time available = 0;        ///< when the next request may be served
   Time read_done = 0;        ///< when the last reader has its copy
   unsigned owner = nobody;   ///< who may write
   unsigned last = nobody;    ///< who got it last: a clean copy comes from there; nobody: memory
-  std::uint16_t home = 0;    ///< socket
-  bool used = false;         ///< by anybody, in simulated time
-  bool only_mine = true;     ///< nobody but `last` has ever used it
-  bool only_read = true;     ///< nobody has ever written to it in simulated time
-  CoreSet sharers;
-  unsigned sharer_count = 0;
+  std::uint16_t sharer_count = 0;
+  std::uint16_t home = 0;  ///< socket
+  bool used = false;       ///< by anybody, in simulated time
+  bool only_mine = true;   ///< nobody but `last` has ever used it
+  bool only_read = true;   ///< nobody has ever written to it in simulated time
+  // What the owner and the readers have used since ownership last moved, a bit per byte.
+  std::uint64_t written = 0, read = 0;
   Waiting* waiting = nullptr;  ///< null while nobody waits
+  CoreSet sharers;
   Event event;
   Watch* watchers = nullptr;  ///< who sleeps until the line changes hands
 
-  // What the owner and the readers have used since ownership last moved, a bit per byte.
-  std::uint64_t written = 0, read = 0;
   std::uint64_t transfers = 0, false_transfers = 0;
   Time waited = 0;
   std::vector<Site> sites;
@@ -88,7 +89,6 @@ class Directory {
     return nullptr;
   }
   Line& make(std::uint64_t number);
-  Line& at(std::uint32_t index) { return lines_[index]; }
 
   /// Sends `request`, which must live until it is served.
   void send(Line& line, Request& request, Time now);
@@ -122,8 +122,11 @@ class Directory {
   };
 
   void grow();
-  enum Share : std::uint8_t { half = 2, tenth = 10 };
-  Time vary(Time time, Share share = tenth);
+  // Uniform within a `share`th of `time`.
+  template <Time share>
+  Time vary(Time time) {
+    return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) / (1024 * share);
+  }
   const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const;
   const Way& way_to(const Line& line, unsigned core) const;
   Time pass_bus(const Line& line, const Request& request, Time start);

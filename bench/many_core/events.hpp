@@ -1,10 +1,13 @@
 /// What happens next: events in the order of simulated time.
 ///
-/// A heap with four children to a node. An event that is moved or removed leaves its entry behind,
-/// which is dropped when its time comes; so a step touches the events it is about and no others.
+/// The next few events stand in a short list, sorted, and all later ones in a heap. Where cores
+/// compete nearly all of them wait at lines and few events are pending, so that taking one costs a
+/// step and adding one a few. An event of the heap that is moved or removed leaves its entry
+/// behind, which is dropped when its time comes.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -17,12 +20,14 @@ using Time = std::int64_t;
 inline constexpr Time nanosecond = 1000;
 inline constexpr Time never = std::numeric_limits<Time>::max();
 
+struct Line;
+
 /// Something that will happen; part of the object it happens to.
 struct Event {
   Time time = 0;
-  std::uint64_t order = 0;  ///< among events of the same time
-  std::uint32_t index = 0;  ///< whose event it is
-  bool of_line = false;     ///< a line's; comes before those of threads at the same time
+  std::uint64_t order = 0;   ///< among events of the same time
+  Line* line = nullptr;      ///< whose event it is; a line's comes before those of threads
+  std::uint32_t thread = 0;  ///< whose event it is if `line` is null
   bool scheduled = false;
 };
 
@@ -32,34 +37,39 @@ class EventQueue {
   EventQueue(const EventQueue&) = delete;
   EventQueue& operator=(const EventQueue&) = delete;
 
-  bool empty() const { return front_.event == nullptr; }
+  bool empty() const { return count_ == 0; }
   /// The next event, which stays there. There must be one.
-  const Event& front() const { return *front_.event; }
+  const Event& front() const { return *soon_[count_].event; }
   /// When the next event happens; `never` if there is none.
-  Time front_time() const { return static_cast<Time>(front_.key >> 64U); }
+  Time front_time() const { return static_cast<Time>(soon_[count_].key >> 64U); }
 
   /// `event` must not be scheduled.
   void push(Event& event, Time time) {
     event.time = time;
-    event.order = (event.of_line ? 0 : thread_order) + ++sequence_;
+    event.order = (event.line != nullptr ? 0 : thread_order) + ++sequence_;
     event.scheduled = true;
     const Entry entry{key_of(event), &event};
-    if (front_.key < entry.key) {
-      insert(entry);
+    if (entry.key < later_from_ && count_ == places) make_room();
+    if (entry.key >= later_from_) {
+      add_later(entry);
       return;
     }
-    if (!empty()) insert(front_);
-    front_ = entry;
+    std::size_t at = ++count_;
+    for (; soon_[at - 1].key < entry.key; --at) soon_[at] = soon_[at - 1];
+    soon_[at] = entry;
   }
 
   /// `event` must be scheduled.
   void remove(Event& event) {
     event.scheduled = false;
-    if (front_.event == &event) {
-      find_front();
-    } else {
+    if (key_of(event) >= later_from_) {
       ++stale_;
+      return;
     }
+    std::size_t at = count_;
+    while (soon_[at].event != &event) --at;
+    for (; at < count_; ++at) soon_[at] = soon_[at + 1];
+    if (--count_ == 0 && !later_.empty()) refill();
   }
 
   void move(Event& event, Time time) {
@@ -69,21 +79,22 @@ class EventQueue {
 
   /// Takes the next event. There must be one.
   Event& pop() {
-    Event& event = *front_.event;
+    Event& event = *soon_[count_].event;
     event.scheduled = false;
-    find_front();
+    if (--count_ == 0 && !later_.empty()) refill();
     return event;
   }
 
  private:
   static constexpr std::uint64_t thread_order = std::uint64_t{1} << 62U;
-  static constexpr std::size_t arity = 4;
+  static constexpr std::size_t places = 32;
   static constexpr std::size_t spare = 64;  // entries of events that are gone
 
   // Time, then order, in one number.
   __extension__ using Key = unsigned __int128;
+  static constexpr Key last_key = Key{static_cast<std::uint64_t>(never)} << 64U | ~std::uint64_t{0};
   struct Entry {
-    Key key = Key{static_cast<std::uint64_t>(never)} << 64U;
+    Key key = last_key;
     Event* event = nullptr;
   };
 
@@ -93,58 +104,50 @@ class EventQueue {
   static bool is_stale(const Entry& entry) {
     return !entry.event->scheduled || entry.event->order != static_cast<std::uint64_t>(entry.key);
   }
+  static bool is_later(const Entry& a, const Entry& b) { return a.key > b.key; }
 
-  void insert(const Entry& entry) {
-    if (stale_ > spare + heap_.size() / 2) drop_stale();
-    std::size_t hole = heap_.size();
-    heap_.push_back(entry);
-    while (hole > 0) {
-      const std::size_t parent = (hole - 1) / arity;
-      if (heap_[parent].key < entry.key) break;
-      heap_[hole] = heap_[parent];
-      hole = parent;
+  void add_later(const Entry& entry) {
+    if (stale_ > spare + later_.size() / 2) {
+      std::erase_if(later_, is_stale);
+      std::ranges::make_heap(later_, is_later);
+      stale_ = 0;
     }
-    heap_[hole] = entry;
+    later_.push_back(entry);
+    std::ranges::push_heap(later_, is_later);
   }
 
-  // Puts `entry` at `hole` or, where those are earlier, in the place of a descendant.
-  void sink(std::size_t hole, const Entry& entry) {
-    const std::size_t size = heap_.size();
-    for (std::size_t child = arity * hole + 1; child < size; child = arity * hole + 1) {
-      const std::size_t end = std::min(child + arity, size);
-      std::size_t least = child;
-      for (std::size_t i = child + 1; i < end; ++i)
-        least = heap_[i].key < heap_[least].key ? i : least;
-      if (entry.key < heap_[least].key) break;
-      heap_[hole] = heap_[least];
-      hole = least;
+  // Moves half of the list to the heap.
+  void make_room() {
+    constexpr std::size_t half = places / 2;
+    later_from_ = soon_[half].key;
+    for (std::size_t i = 1; i <= half; ++i) {
+      add_later(soon_[i]);
+      soon_[i] = soon_[half + i];
     }
-    heap_[hole] = entry;
+    count_ = half;
   }
 
-  void find_front() {
-    front_ = {};
-    while (!heap_.empty() && empty()) {
-      const Entry first = heap_.front(), last = heap_.back();
-      heap_.pop_back();
-      if (!heap_.empty()) sink(0, last);
-      if (is_stale(first)) {
+  // Fills half of the list, which is empty, from the heap.
+  void refill() {
+    while (count_ < places / 2 && !later_.empty()) {
+      std::ranges::pop_heap(later_, is_later);
+      if (is_stale(later_.back())) {
         --stale_;
       } else {
-        front_ = first;
+        soon_[++count_] = later_.back();
       }
+      later_.pop_back();
     }
+    std::reverse(soon_.begin() + 1, soon_.begin() + 1 + static_cast<std::ptrdiff_t>(count_));
+    later_from_ = later_.empty() ? last_key : later_.front().key;
   }
 
-  void drop_stale() {
-    std::erase_if(heap_, is_stale);
-    stale_ = 0;
-    for (std::size_t i = heap_.size(); i-- > 0;) sink(i, Entry(heap_[i]));
-  }
-
-  Entry front_;              // not in the heap: often the only one
-  std::vector<Entry> heap_;  // all others
-  std::size_t stale_ = 0;    // of them
+  // The next event is the last one of the list; the place before the first one stays empty.
+  std::array<Entry, places + 1> soon_;
+  std::size_t count_ = 0;
+  Key later_from_ = last_key;  // all from here on are in the heap, all before in the list
+  std::vector<Entry> later_;
+  std::size_t stale_ = 0;  // of them
   std::uint64_t sequence_ = 0;
 };
 

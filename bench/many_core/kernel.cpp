@@ -27,7 +27,7 @@ constexpr Time heap_accesses = 10;
 // --- Locks, as glibc 2.36 has them (lowlevellock.c) ---------------------------------------------
 
 bool Machine::try_lock(std::uintptr_t address, const void* pc) {
-  if (timed_) current().clock += lock_accesses * current().costs->plain_op;
+  if (timed_) me_->clock += lock_accesses * me_->costs->plain_op;
   Value expected = 0;
   return compare_exchange({address, 4, Order::acquire, pc}, Order::relaxed, false, expected, 1);
 }
@@ -40,7 +40,7 @@ void Machine::lock(std::uintptr_t address, const void* pc) {
 }
 
 void Machine::unlock(std::uintptr_t address, const void* pc) {
-  if (timed_) current().clock += lock_accesses * current().costs->plain_op;
+  if (timed_) me_->clock += lock_accesses * me_->costs->plain_op;
   if (modify({address, 4, Order::release, pc}, Operation::exchange, 0) == 2) wake(address, 1, pc);
 }
 
@@ -61,7 +61,7 @@ void Machine::enter_bucket(Thread& me, std::uintptr_t bucket, const void* pc) {
 Wake Machine::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
                    const void* pc) {
   if (!timed_) return Tenant::wait(address, expected, nanoseconds, pc);
-  Thread& me = current();
+  Thread& me = *me_;
   me.clock += syscall_;
   Sleepers& sleepers = sleepers_of(address);
   enter_bucket(me, sleepers.bucket, pc);
@@ -78,7 +78,7 @@ Wake Machine::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t 
 
 unsigned Machine::wake(std::uintptr_t address, unsigned count, const void* pc) {
   if (!timed_) return 0;
-  Thread& me = current();
+  Thread& me = *me_;
   drain(me);
   me.clock += syscall_;
   Sleepers& sleepers = sleepers_of(address);
@@ -183,7 +183,7 @@ void Machine::set_busy(unsigned place, unsigned thread) {
 
 void Machine::yield(const void* /*pc*/) {
   if (!timed_) return;
-  Thread& me = current();
+  Thread& me = *me_;
   me.clock += syscall_;
   sync(me);
   give_way(me);
@@ -191,14 +191,14 @@ void Machine::yield(const void* /*pc*/) {
 
 void Machine::sleep(std::int64_t nanoseconds, const void* /*pc*/) {
   if (!timed_) return;
-  Thread& me = current();
+  Thread& me = *me_;
   me.clock += syscall_;
   me.sleeps_at = 0;
   park(me, me.clock + std::max<std::int64_t>(nanoseconds, 0) * nanosecond);
 }
 
 void Machine::pause() {
-  if (timed_) current().clock += current().costs->pause;
+  if (timed_) me_->clock += me_->costs->pause;
 }
 
 // --- The allocator ------------------------------------------------------------------------------

@@ -11,7 +11,6 @@ namespace irt::many_core {
 namespace {
 
 constexpr unsigned rounds_before_looking = 3;  // hashing the state costs more than a round
-constexpr unsigned longest_loop = 64;          // loads
 
 // The callee-saved registers and the stack: all that a loop can carry from one round to the next.
 std::uint64_t hash_of_state(const Thread& thread) {
@@ -31,20 +30,17 @@ std::uint64_t hash_of_state(const Thread& thread) {
 
 }  // namespace
 
-// A line that the thread found where it left it.
-void Machine::watch(Thread& me, Line& line) {
-  LoopState& loop = me.loop;
-  if (loop.rounds == 0 || loop.lines > LoopState::max_lines) return;
+void Machine::note_watch(LoopState& loop, Line& line) {
+  if (loop.lines > LoopState::max_lines) return;
   for (unsigned i = 0; i < loop.lines; ++i)
     if (loop.watches[i].line == &line) return;
   if (loop.lines < LoopState::max_lines) loop.watches[loop.lines].line = &line;
   ++loop.lines;
 }
 
-void Machine::check_loop(Thread& me, const virtual_cores::Access& access) {
+void Machine::note_round(Thread& me, const virtual_cores::Access& access) {
   LoopState& loop = me.loop;
   if (access.pc != loop.pc || access.address != loop.address) {
-    if (++loop.age < longest_loop) return;
     loop.pc = access.pc;
     loop.address = access.address;
     loop.has_slept = false;

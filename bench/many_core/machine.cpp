@@ -52,7 +52,7 @@ Machine::Machine(const Profile& profile, const std::vector<unsigned>& hardware_t
       cores_(*this, static_cast<unsigned>(hardware_threads.size())) {
   for (unsigned i = 0; i < threads_.size(); ++i) {
     Thread& thread = threads_[i];
-    thread.number = thread.event.index = i;
+    thread.number = thread.event.thread = i;
     thread.core = Topology::place_of(profile, hardware_threads[i]);
     thread.costs = &alone_;
     thread.stack = cores_.stack_of(i);
@@ -83,7 +83,7 @@ void Machine::set_up(const std::function<void()>& body) {
   set_up_ = body;
   ending_ = {};
   cores_.arm(0, enter, threads_.data());
-  cores_.run(0);
+  cores_.run(going_on(0));
   if (ending_.kind == Ending::Kind::failed) throw std::runtime_error(ending_.message);
 }
 
@@ -111,7 +111,7 @@ Ending Machine::run(Time count_from, Time until, std::function<void(unsigned)> b
     set_deadline(place);
   }
   timed_ = true;
-  cores_.run(next_thread());
+  cores_.run(going_on(next_thread()));
   timed_ = false;
   return ending_;
 }
@@ -123,18 +123,18 @@ unsigned Machine::next_thread() {
     ++events_taken_;
     if (event.time > until_ && ++events_after_ > patience_events) end_late(event.time);
     if (!counting_ && event.time >= count_from_) start_counting();
-    if (event.of_line) {
-      const unsigned next = serve(directory_.at(event.index), event.time, never);
+    if (event.line != nullptr) {
+      const unsigned next = serve(*event.line, event.time, never);
       if (next != host) return next;
       continue;
     }
-    Thread& thread = threads_[event.index];
+    Thread& thread = threads_[event.thread];
     if (thread.parked && !thread.woken) {
       time_out(thread, event.time);
       continue;
     }
     thread.clock = std::max(thread.clock, event.time);
-    return event.index;
+    return event.thread;
   }
   if (left_ != 0) {
     ending_ = {Ending::Kind::asleep,
@@ -146,19 +146,19 @@ unsigned Machine::next_thread() {
 
 // The current thread has nothing to do until its event.
 void Machine::go_on() {
-  cores_.switch_to(next_thread());
+  cores_.switch_to(going_on(next_thread()));
 }
 
 // What happens before the thread's next step happens first. Lines need no other fiber for it.
 void Machine::let_others(Thread& me, Time ahead) {
-  while (me.clock - ahead >= events_.front_time() && events_.front().of_line &&
+  while (me.clock - ahead >= events_.front_time() && events_.front().line != nullptr &&
          events_.front_time() <= until_ && counting_) {
     Event& event = events_.pop();
     ++events_taken_;
-    const unsigned next = serve(directory_.at(event.index), event.time, me.clock - ahead);
+    const unsigned next = serve(*event.line, event.time, me.clock - ahead);
     if (next == host) continue;
     events_.push(me.event, me.clock);
-    cores_.switch_to(next);
+    cores_.switch_to(going_on(next));
     return;
   }
   if (me.clock - ahead < events_.front_time()) return;
@@ -176,6 +176,7 @@ unsigned Machine::serve(Line& line, Time now, Time limit) {
   if (line.watchers != nullptr && (request->want != Want::copy || owner != line.owner))
     wake_watchers(line, now);
   Thread& thread = threads_[request->thread];
+  cores_.prefetch(thread.number);
   if (request->posted) {
     commit_store(thread, line, done);
     return host;
@@ -222,7 +223,7 @@ unsigned Machine::finished(unsigned core) {
   --left_;
   set_busy(thread.core, nobody);
   run_next(hardware_[thread.core], thread.clock);
-  return next_thread();
+  return going_on(next_thread());
 }
 
 void Machine::on_failure(const std::string& what, const void* /*pc*/) {
@@ -235,12 +236,11 @@ Time Machine::last_clock() const {
 }
 
 void Machine::work(double ns) {
-  Thread& me = current();
-  if (timed_) me.clock += picoseconds(ns * me.costs->slowdown);
+  if (timed_) me_->clock += picoseconds(ns * me_->costs->slowdown);
 }
 
 std::int64_t Machine::now() {
-  return timed_ && virtual_cores::current_core != host ? current().clock / nanosecond : 0;
+  return timed_ && virtual_cores::current_core != host ? me_->clock / nanosecond : 0;
 }
 
 }  // namespace irt::many_core

@@ -101,18 +101,18 @@ class Machine final : public virtual_cores::Tenant {
 
   // Within `body`.
   /// Whether time is up for the calling thread.
-  bool over() const { return threads_[virtual_cores::current_core].clock >= until_; }
+  bool over() const { return me_->clock >= until_; }
   /// Where the calling thread is.
-  Time clock() const { return threads_[virtual_cores::current_core].clock; }
+  Time clock() const { return me_->clock; }
   /// `ns` of work that no other thread can see or disturb.
   void work(double ns);
   /// The same, and then what the others have done meanwhile is done.
   void idle(double ns) {
     work(ns);
-    sync(current());
+    sync(*me_);
   }
   /// A step that waited in vain; counted here so that a sleeping loop's rounds are, too.
-  void count_failure() { ++threads_[virtual_cores::current_core].failures; }
+  void count_failure() { ++me_->failures; }
 
   /// Whether what happens at `time` is counted.
   bool counts_at(Time time) const { return time >= count_from_ && time <= until_; }
@@ -167,16 +167,24 @@ class Machine final : public virtual_cores::Tenant {
     std::deque<unsigned> threads;
   };
 
-  Thread& current() { return threads_[virtual_cores::current_core]; }
   static void enter(void* thread);
 
   // Order of events (machine.cpp).
+  // Notes that `thread`, or the host, goes on now.
+  unsigned going_on(unsigned thread) {
+    if (thread != virtual_cores::host) me_ = &threads_[thread];
+    return thread;
+  }
   unsigned next_thread();
   unsigned serve(Line& line, Time now, Time limit);
   void go_on();
   [[noreturn]] void end(Ending::Kind kind, const std::string& message);
   [[noreturn]] void end_late(Time time);
   void reach_deadline(Thread& me);
+  // Whether nothing else happens before the thread's next step, or before it is `ahead` of others.
+  bool is_next(const Thread& me, Time ahead) const {
+    return me.clock < me.deadline && me.clock - ahead < events_.front_time();
+  }
   void sync(Thread& me, Time ahead = 0) {
     if (me.clock >= me.deadline) reach_deadline(me);
     if (me.clock - ahead >= events_.front_time()) let_others(me, ahead);
@@ -189,7 +197,11 @@ class Machine final : public virtual_cores::Tenant {
   }
 
   // Accesses (accesses.cpp).
-  Line& line_of(const Thread& me, std::uintptr_t address);
+  Line& line_of(const Thread& me, std::uintptr_t address) {
+    Line* line = directory_.find(address / line_bytes);
+    return line != nullptr ? *line : new_line(me, address);
+  }
+  Line& new_line(const Thread& me, std::uintptr_t address);
   Time ahead_of(const Thread& me, const Line& line) const {
     return (line.only_mine && line.owner == me.core) || (line.only_read && line.held_by(me.core))
                ? private_window
@@ -197,8 +209,11 @@ class Machine final : public virtual_cores::Tenant {
   }
   void fetch(Thread& me, Line& line, Want want, const void* pc, std::uint64_t bytes);
   Line& own(Thread& me, const virtual_cores::Access& access, bool arithmetic);
+  Line& own_after_others(Thread& me, const virtual_cores::Access& access, std::uint64_t bytes,
+                         bool arithmetic);
   void finish_update(Thread& me, Line& line, bool changed);
   void read_line(Thread& me, std::uintptr_t address, std::uint64_t bytes, const void* pc);
+  Line& read_after_others(Thread& me, std::uintptr_t address, std::uint64_t bytes, const void* pc);
   void post(Thread& me, Line& line, const virtual_cores::Access& access,
             const virtual_cores::Value* value);
   void issue_store(Thread& me, Time now);
@@ -206,8 +221,17 @@ class Machine final : public virtual_cores::Tenant {
   void drain(Thread& me);
 
   // Loops that wait (loops.cpp).
-  void check_loop(Thread& me, const virtual_cores::Access& access);
-  void watch(Thread& me, Line& line);
+  void check_loop(Thread& me, const virtual_cores::Access& access) {
+    LoopState& loop = me.loop;
+    const bool elsewhere = access.pc != loop.pc || access.address != loop.address;
+    if (!elsewhere || ++loop.age >= LoopState::longest) note_round(me, access);
+  }
+  void note_round(Thread& me, const virtual_cores::Access& access);
+  // A line that the thread found where it left it.
+  void watch(Thread& me, Line& line) {
+    if (me.loop.rounds != 0) note_watch(me.loop, line);
+  }
+  static void note_watch(LoopState& loop, Line& line);
   void sleep_in_loop(Thread& me);
   void wake_watchers(Line& line, Time now);
 
@@ -233,6 +257,7 @@ class Machine final : public virtual_cores::Tenant {
   std::vector<Hardware> hardware_;
   std::unordered_map<std::uintptr_t, Sleepers> sleepers_;
   virtual_cores::Cores cores_;
+  Thread* me_ = nullptr;  // in progress
   std::function<void(unsigned)> body_;
   std::function<void()> set_up_;
   bool timed_ = false;

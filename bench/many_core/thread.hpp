@@ -47,12 +47,13 @@ class StoreBuffer {
 
  private:
   std::uint32_t first_ = 0, count_ = 0;
-  std::array<PostedStore, places> stores_;
+  std::vector<PostedStore> stores_{std::vector<PostedStore>(places)};
 };
 
 /// What a thread remembers to notice that it goes round in circles.
 struct LoopState {
   static constexpr unsigned max_lines = 8;
+  static constexpr unsigned longest = 64;  // loads
 
   const void* pc = nullptr;  ///< of the load that is thought to begin the loop
   std::uintptr_t address = 0;
@@ -70,27 +71,28 @@ struct LoopState {
 
 /// What every access uses comes first and lies together: with hundreds of threads most of what one
 /// of them touches comes from the host's second cache.
-struct alignas(2 * line_bytes) Thread {
+struct alignas(line_bytes) Thread {
   Request request;
-  Event event;
   Time clock = 0;
   Time deadline = never;  ///< when it must look up: the end of its quantum or of the run
-  Time committed = 0;     ///< when the last store that was served took effect
+
+  Event event;
   const LocalCosts* costs = nullptr;
-  std::uint64_t changes = 0;  ///< steps that were no repetition
+  Time committed = 0;  ///< when the last store that was served took effect
   std::uint32_t number = 0;
   std::uint32_t core = 0;  ///< its hardware thread, as Topology numbers them
 
-  StoreBuffer stores;
-  bool draining = false;  ///< waits for `stores` to be empty
-  bool crowded = false;   ///< waits for a place in `stores`
-  Request store_request;  ///< of the first store
-
+  std::uint64_t changes = 0;  ///< steps that were no repetition
   std::uint64_t failures = 0;
   std::uintptr_t stack = 0, stack_bytes = 0;
+  bool draining = false;  ///< waits for `stores` to be empty
+  bool crowded = false;   ///< waits for a place in `stores`
+  bool parked = false, woken = false, timed_out = false;
+  StoreBuffer stores;
+
   LoopState loop;
 
-  bool parked = false, woken = false, timed_out = false;
+  Request store_request;  ///< of the first store
   std::uintptr_t sleeps_at = 0;
 };
 

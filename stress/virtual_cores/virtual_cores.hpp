@@ -47,9 +47,10 @@ constexpr bool releases(Order order) {
 /// What a read-modify-write computes.
 enum class Operation : std::uint8_t { exchange, add, sub, bit_and, bit_or, bit_xor, bit_nand };
 
-/// The result of `operation` on `size` bytes.
-inline Value apply(Operation operation, Value old_value, Value operand, std::size_t size) {
-  const Value mask = size == sizeof(Value) ? ~Value{0} : (Value{1} << (8 * size)) - 1;
+/// The result of `operation` on `size` bytes; `Word` is unsigned and has as many at least.
+template <class Word>
+Word apply(Operation operation, Word old_value, Word operand, std::size_t size) {
+  const Word mask = size == sizeof(Word) ? ~Word{0} : (Word{1} << (8 * size)) - 1;
   switch (operation) {
     case Operation::exchange:
       return operand & mask;
@@ -178,6 +179,9 @@ class Cores {
   /// From within a core: goes on with `core`, or with the caller of `run` if that is `host`.
   /// Returns when somebody switches back.
   void switch_to(unsigned core);
+
+  /// `core` will soon be switched to: loads the top of its stack into the host's first cache.
+  void prefetch(unsigned core) const;
 
   unsigned count() const;
   /// The core in progress, or `host`.
