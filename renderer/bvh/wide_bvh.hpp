@@ -94,10 +94,6 @@ struct WideLeaf {
 /// Leaves what a vector grows by uninitialized.
 template <class T>
 struct Uninitialized : std::allocator<T> {
-  template <class U>
-  struct rebind {
-    using other = Uninitialized<U>;
-  };
   using std::allocator<T>::allocator;
   template <class U, class... Arguments>
   void construct(U* at, Arguments&&... arguments) {

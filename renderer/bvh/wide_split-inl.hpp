@@ -26,6 +26,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::CappedTag<float, 4>;
 static_assert(hn::MaxLanes(Four()) == 4, "boxes are handled as four floats");
 using FourFloats = hn::Vec<Four>;
+using FourInts = hn::RebindToSigned<Four>;
 
 /// Lower and negated upper corner, so that one minimum grows both. The fourth and the eighth lane
 /// are free.
@@ -162,16 +163,26 @@ struct Binning {
       if (extent > 0 && per_length <= std::numeric_limits<float>::max()) scale[axis] = per_length;
     }
   }
+};
 
-  /// The bins of a reference along x, y and z in the first three lanes of `bin`.
-  HWY_INLINE void bins_of(const Reference& reference, std::int32_t* HWY_RESTRICT bin) const {
-    const Four d;
-    const hn::RebindToSigned<Four> di;
-    const FourFloats place =
-        hn::Mul(hn::Sub(reference.center(), hn::Load(d, base)), hn::Load(d, scale));
-    const auto clamped = hn::Min(hn::ConvertTo(di, place), hn::Set(di, bins - 1));
-    hn::Store(hn::Max(clamped, hn::Zero(di)), di, bin);
+/// A binning at hand in registers.
+class Binner {
+ public:
+  explicit Binner(const Binning& binning)
+      : base_(hn::Load(Four(), binning.base)),
+        scale_(hn::Load(Four(), binning.scale)),
+        last_(hn::Set(FourInts(), binning.bins - 1)) {}
+
+  /// The bins of a centre along x, y and z in the first three lanes.
+  HWY_INLINE hn::Vec<FourInts> operator()(FourFloats center) const {
+    const FourFloats place = hn::Mul(hn::Sub(center, base_), scale_);
+    const auto clamped = hn::Min(hn::ConvertTo(FourInts(), place), last_);
+    return hn::Max(clamped, hn::Zero(FourInts()));
   }
+
+ private:
+  FourFloats base_, scale_;
+  hn::Vec<FourInts> last_;
 };
 
 /// Left are the triangles in bins below `plane` along `axis`.
@@ -185,113 +196,171 @@ struct Split {
   Box left_box, right_box;
 
   bool found() const { return axis >= 0; }
-  HWY_INLINE bool goes_right(const Reference& reference) const {
-    alignas(16) std::int32_t bin[4];
-    binning.bins_of(reference, bin);
-    return bin[axis] >= plane;
-  }
 };
 
-/// Triangles per bin and axis with the boxes around them.
+/// Triangles per bin and axis with the boxes around them. The place of a bin along an axis is
+/// 4 bin + axis; every fourth place is free.
 struct Bins {
-  SignedBox box[Binning::most][3];
-  std::uint32_t count[Binning::most][4];
+  SignedBox box[Binning::most * 4];
+  alignas(16) std::int32_t count[Binning::most * 4];
 
   /// Empties as many bins as are used; the others are left as they are.
   void clear(int bins) {
     for (int bin = 0; bin < bins; ++bin) {
-      std::fill_n(box[bin], 3, SignedBox::empty());
-      std::fill_n(count[bin], 4, 0u);
+      std::fill_n(box + 4 * bin, 3, SignedBox::empty());
+      std::fill_n(count + 4 * bin, 4, 0);
     }
   }
 
   void fill(const Reference* references, std::uint32_t number, const Binning& binning) {
     clear(binning.bins);
+    const Binner binner(binning);
     // Neighbours fall into the same bins, and each waits for what the last one has stored there:
     // two sets of bins in turn wait half as long.
     constexpr std::uint32_t worth_two_sets = 256;
     if (number < worth_two_sets) {
-      for (std::uint32_t i = 0; i < number; ++i) put(references[i], binning);
+      for (std::uint32_t i = 0; i < number; ++i) put(references[i], binner);
       return;
     }
     Bins odd;
     odd.clear(binning.bins);
     for (std::uint32_t i = 0; i + 1 < number; i += 2) {
-      put(references[i], binning);
-      odd.put(references[i + 1], binning);
+      put(references[i], binner);
+      odd.put(references[i + 1], binner);
     }
-    if (number % 2 != 0) put(references[number - 1], binning);
+    if (number % 2 != 0) put(references[number - 1], binner);
     add(odd, binning.bins);
   }
 
   void add(const Bins& other, int bins) {
     for (int bin = 0; bin < bins; ++bin) {
-      for (int axis = 0; axis < 3; ++axis) {
-        box[bin][axis].add(other.box[bin][axis]);
-        count[bin][axis] += other.count[bin][axis];
+      for (int place = 4 * bin; place < 4 * bin + 3; ++place) {
+        box[place].add(other.box[place]);
+        count[place] += other.count[place];
       }
     }
   }
 
   /// The references left of `split`.
   std::uint32_t left_of(const Split& split) const {
-    std::uint32_t left = 0;
-    for (int bin = 0; bin < split.plane; ++bin) left += count[bin][split.axis];
-    return left;
+    std::int32_t left = 0;
+    for (int bin = 0; bin < split.plane; ++bin) left += count[4 * bin + split.axis];
+    return static_cast<std::uint32_t>(left);
   }
 
   /// The plane of least cost: surface times number of blocks on either side.
   Split best(const Binning& binning, const Measure& measure) const {
     Split split;
     split.binning = binning;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (binning.scale[axis] > 0) sweep(axis, binning.bins, measure, split);
-    }
+    sweep(split, measure);
+    if (!split.found()) return split;
+    split.left_count = left_of(split);
+    split.left_box = box_of(0, split.plane, split.axis);
+    split.right_box = box_of(split.plane, binning.bins, split.axis);
+    split.left_area = measure.half_area(split.left_box);
+    split.right_area = measure.half_area(split.right_box);
     return split;
   }
 
  private:
-  HWY_INLINE void put(const Reference& reference, const Binning& binning) {
-    alignas(16) std::int32_t bin[4];
-    binning.bins_of(reference, bin);
-    for (int axis = 0; axis < 3; ++axis) {
-      box[bin[axis]][axis].add(reference);
-      ++count[bin[axis]][axis];
-    }
+  HWY_INLINE void put(const Reference& reference, const Binner& binner) {
+    const FourInts d;
+    alignas(16) std::int32_t place[4];
+    hn::Store(hn::Add(hn::ShiftLeft<2>(binner(reference.center())), hn::Iota(d, 0)), d, place);
+    put(reference, static_cast<std::uint32_t>(place[0]));
+    put(reference, static_cast<std::uint32_t>(place[1]));
+    put(reference, static_cast<std::uint32_t>(place[2]));
+  }
+  HWY_INLINE void put(const Reference& reference, std::uint32_t place) {
+    box[place].add(reference);
+    ++count[place];
   }
 
-  void sweep(int axis, int bins, const Measure& measure, Split& best) const {
-    Box right_box[Binning::most];
-    float right_area[Binning::most];
-    std::uint32_t right_count[Binning::most];
-    SignedBox grown = SignedBox::empty();
-    std::uint32_t number = 0;
-    for (int plane = bins - 1; plane > 0; --plane) {
-      grown.add(box[plane][axis]);
-      number += count[plane][axis];
-      right_count[plane] = number;
-      right_box[plane] = grown.box();
-      right_area[plane] = number > 0 ? measure.half_area(right_box[plane]) : 0;
+  Box box_of(int first_bin, int end, int axis) const {
+    SignedBox all = SignedBox::empty();
+    for (int bin = first_bin; bin < end; ++bin) all.add(box[4 * bin + axis]);
+    return all.box();
+  }
+
+  /// The boxes along the three axes and their counts, which grow bin by bin.
+  class Growing {
+   public:
+    HWY_INLINE Growing() : count(hn::Zero(FourInts())) {
+      for (int axis = 0; axis < 3; ++axis) {
+        lower_[axis] = upper_[axis] = hn::Set(Four(), SignedBox::infinity);
+      }
     }
-    grown = SignedBox::empty();
-    number = 0;
+    HWY_INLINE void add(const Bins& bins, int bin) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const float* const box = bins.box[4 * bin + axis].of;
+        lower_[axis] = hn::Min(lower_[axis], hn::Load(Four(), box));
+        upper_[axis] = hn::Min(upper_[axis], hn::Load(Four(), box + 4));
+      }
+      count = hn::Add(count, hn::Load(FourInts(), bins.count + 4 * bin));
+    }
+    /// Half of the surface times the number of blocks.
+    HWY_INLINE FourFloats cost(FourFloats unit) const {
+      const FourFloats a = extent(0, unit), b = extent(1, unit), c = extent(2, unit);
+      // From the extents of each box to those of all boxes along x, y and z.
+      const Four d;
+      const FourFloats lower = hn::InterleaveLower(d, a, b), upper = hn::InterleaveUpper(d, a, b);
+      const FourFloats x = hn::ConcatLowerLower(d, c, lower);
+      const FourFloats y = hn::ConcatUpperUpper(d, hn::InterleaveLower(d, c, c), lower);
+      const FourFloats z = hn::ConcatLowerLower(d, hn::InterleaveUpper(d, c, c), upper);
+      const FourFloats area = hn::Add(hn::Add(hn::Mul(x, y), hn::Mul(y, z)), hn::Mul(z, x));
+      const auto blocks =
+          hn::ShiftRight<blocks_shift>(hn::Add(count, hn::Set(FourInts(), wide_block - 1)));
+      return hn::Mul(area, hn::ConvertTo(d, blocks));
+    }
+
+    hn::Vec<FourInts> count;
+
+   private:
+    /// Negative, which a product of two of them does not show.
+    HWY_INLINE FourFloats extent(int axis, FourFloats unit) const {
+      return hn::Add(hn::Mul(upper_[axis], unit), hn::Mul(lower_[axis], unit));
+    }
+
+    FourFloats lower_[3], upper_[3];  ///< the upper corner is negated
+  };
+  static constexpr int blocks_shift = std::countr_zero(unsigned{wide_block});
+
+  /// Finds the axis and the plane of least cost, the first of several.
+  void sweep(Split& split, const Measure& measure) const {
+    const Four d;
+    const FourInts di;
+    const int bins = split.binning.bins;
+    const FourFloats unit = hn::Set(d, measure.unit);
+    alignas(16) float right_cost[Binning::most][4];
+    alignas(16) std::int32_t right_count[Binning::most][4];
+    Growing right;
+    for (int plane = bins - 1; plane > 0; --plane) {
+      right.add(*this, plane);
+      hn::Store(right.cost(unit), d, right_cost[plane]);
+      hn::Store(right.count, di, right_count[plane]);
+    }
+    const auto none = hn::Zero(di);
+    const auto in_use = hn::Gt(hn::Load(d, split.binning.scale), hn::Zero(d));
+    FourFloats least = hn::Set(d, std::numeric_limits<float>::infinity());
+    auto where = none;
+    Growing left;
     for (int plane = 1; plane < bins; ++plane) {
-      grown.add(box[plane - 1][axis]);
-      number += count[plane - 1][axis];
-      if (number == 0 || right_count[plane] == 0) continue;
-      const Box left_box = grown.box();
-      const float left_area = measure.half_area(left_box);
-      const float cost =
-          left_area * blocks_of(number) + right_area[plane] * blocks_of(right_count[plane]);
-      if (!(cost < best.cost)) continue;
-      best.cost = cost;
-      best.axis = axis;
-      best.plane = plane;
-      best.left_count = number;
-      best.left_area = left_area;
-      best.right_area = right_area[plane];
-      best.left_box = left_box;
-      best.right_box = right_box[plane];
+      left.add(*this, plane - 1);
+      const FourFloats cost = hn::Add(left.cost(unit), hn::Load(d, right_cost[plane]));
+      const auto both = hn::Gt(hn::Min(left.count, hn::Load(di, right_count[plane])), none);
+      const auto better = hn::And(hn::And(hn::Lt(cost, least), hn::RebindMask(d, both)), in_use);
+      least = hn::IfThenElse(better, cost, least);
+      where = hn::IfThenElse(hn::RebindMask(di, better), hn::Set(di, plane), where);
+    }
+    alignas(16) float costs[4];
+    alignas(16) std::int32_t planes[4];
+    hn::Store(least, d, costs);
+    hn::Store(where, di, planes);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(costs[axis] < split.cost)) continue;
+      split.cost = costs[axis];
+      split.axis = axis;
+      split.plane = planes[axis];
     }
   }
 };
@@ -314,13 +383,16 @@ inline std::array<CenterBounds, 2> partition(const Reference* references, std::u
   // random, so that no branch may hang on it.
   static constexpr float away[2][2] = {{0, infinity}, {infinity, 0}};
   const Four d;
+  const Binner binner(split.binning);
   FourFloats lower[2] = {hn::Set(d, infinity), hn::Set(d, infinity)};
   FourFloats upper[2] = {hn::Set(d, -infinity), hn::Set(d, -infinity)};
   Reference* to[2] = {left, right};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const bool side = split.goes_right(references[i]);
-    *to[side]++ = references[i];
     const FourFloats center = references[i].center();
+    alignas(16) std::int32_t bin[4];
+    hn::Store(binner(center), FourInts(), bin);
+    const bool side = bin[split.axis] >= split.plane;
+    *to[side]++ = references[i];
     for (int k = 0; k < 2; ++k) {
       const FourFloats far = hn::Set(d, away[side][k]);
       lower[k] = hn::Min(lower[k], hn::Add(center, far));
