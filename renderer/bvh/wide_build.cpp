@@ -6,13 +6,12 @@
 #include <numeric>
 #include <vector>
 
-#include "renderer/bvh/triangles.hpp"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "renderer/bvh/wide_build.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "renderer/bvh/wide_corners-inl.hpp"
 #include "renderer/bvh/wide_split-inl.hpp"
 #include "renderer/bvh/wide_top-inl.hpp"
 
@@ -33,8 +32,9 @@ struct Part {
 
 class Builder {
  public:
+  /// `mesh` has triangles.
   Builder(const Mesh& mesh, Executor& executor)
-      : mesh_(mesh),
+      : corners_(mesh),
         executor_(executor),
         count_(static_cast<std::uint32_t>(mesh.triangles.size())),
         buffers_(count_),
@@ -42,7 +42,6 @@ class Builder {
         subtree_(std::clamp(count_ / 32, 1024u, 16384u)) {}
 
   WideBvh build() {
-    if (count_ == 0) return {};
     pieces_.push_back({gather()});
     split_top();
     build_subtrees();
@@ -71,10 +70,9 @@ class Builder {
       const std::uint32_t begin = static_cast<std::uint32_t>(i) * chunk_;
       const std::uint32_t end = std::min(count_, begin + chunk_);
       for (std::uint32_t triangle = begin; triangle < end; ++triangle) {
-        const Box box = padded_bounds(triangle_of(mesh_, triangle));
-        references[triangle] = Reference(box, triangle);
-        boxes[i].grow(box);
+        references[triangle] = reference_to(corners_, triangle);
       }
+      boxes[i] = bounds(references + begin, end - begin);
       centers[i] = center_bounds(references + begin, end - begin);
     });
     for (const Box& box : boxes) root.box.grow(box);
@@ -274,26 +272,16 @@ class Builder {
     WideBlock* block = bvh.blocks.data() + first_block;
     for (const Part::Leaf& leaf : part.leaves) {
       for (std::uint32_t i = 0; i < leaf.count; i += wide_block) {
+        std::uint32_t triangles[wide_block];
         for (std::uint32_t lane = 0; lane < wide_block; ++lane) {
-          set_lane(*block, lane, leaf.references[std::min(i + lane, leaf.count - 1)].triangle());
+          triangles[lane] = leaf.references[std::min(i + lane, leaf.count - 1)].triangle();
         }
-        ++block;
+        set_block(corners_, triangles, *block++);
       }
     }
   }
 
-  void set_lane(WideBlock& block, std::uint32_t lane, std::uint32_t triangle) const {
-    float corners[3][3];
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 corner = mesh_.corner(triangle, k);
-      corners[k][0] = corner.x;
-      corners[k][1] = corner.y;
-      corners[k][2] = corner.z;
-    }
-    block.set(static_cast<int>(lane), triangle, corners);
-  }
-
-  const Mesh& mesh_;
+  Corners corners_;
   Executor& executor_;
   std::uint32_t count_;
   Buffers buffers_;
@@ -308,7 +296,7 @@ class Builder {
 };
 
 WideBvh build(const Mesh& mesh, Executor& executor) {
-  return Builder(mesh, executor).build();
+  return mesh.triangles.empty() ? WideBvh() : Builder(mesh, executor).build();
 }
 
 }  // namespace irt::HWY_NAMESPACE

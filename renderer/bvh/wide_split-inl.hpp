@@ -52,19 +52,28 @@ struct alignas(32) SignedBox {
 
 /// A triangle as the builder sees it: its box, and its number in the free lane.
 struct Reference : SignedBox {
-  Reference(const Box& box, std::uint32_t triangle)
-      : SignedBox{{box.lo.x, box.lo.y, box.lo.z, std::bit_cast<float>(triangle), -box.hi.x,
-                   -box.hi.y, -box.hi.z, 0}} {}
-  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(of[3]); }
-
-  HWY_INLINE FourFloats center() const {
+  HWY_INLINE Reference(FourFloats lower, FourFloats negated_upper, std::uint32_t triangle) {
     const Four d;
-    const FourFloats half = hn::Set(d, 0.5f);
-    return hn::Sub(hn::Mul(hn::Load(d, of), half), hn::Mul(hn::Load(d, of + 4), half));
+    hn::Store(lower, d, of);
+    hn::Store(negated_upper, d, of + 4);
+    of[3] = std::bit_cast<float>(triangle | of_normal_float);
+    of[7] = 0;
   }
+  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(of[3]) & ~of_normal_float; }
+
+  /// Twice the centre, which costs less than the centre and is as good to split by.
+  HWY_INLINE FourFloats center() const {
+    return hn::Sub(hn::Load(Four(), of), hn::Load(Four(), of + 4));
+  }
+
+ private:
+  /// The free lanes take part in all arithmetic. A small number's bits are those of a denormal
+  /// float, which slows that down by an order of magnitude. WideChild has no bits for as many
+  /// triangles.
+  static constexpr std::uint32_t of_normal_float = 1u << 30;
 };
 
-/// The box around centres.
+/// The box around centres, as Reference::center has them.
 struct CenterBounds {
   SignedBox box = SignedBox::empty();
 
@@ -163,26 +172,32 @@ struct Binning {
       if (extent > 0 && per_length <= std::numeric_limits<float>::max()) scale[axis] = per_length;
     }
   }
+
+  /// Where the bin with that number along an axis is in an array of the bins of all axes. Every
+  /// fourth place there is free.
+  static constexpr int place(int bin, int axis) { return 4 * bin + axis; }
 };
 
 /// A binning at hand in registers.
 class Binner {
  public:
   explicit Binner(const Binning& binning)
-      : base_(hn::Load(Four(), binning.base)),
-        scale_(hn::Load(Four(), binning.scale)),
-        last_(hn::Set(FourInts(), binning.bins - 1)) {}
+      : base_(hn::Load(Four(), binning.base)), scale_(hn::Load(Four(), binning.scale)) {}
 
-  /// The bins of a centre along x, y and z in the first three lanes.
+  /// The places of a centre's bins along x, y and z in the first three lanes. Centres within the
+  /// bounds of the binning have their bins; whatever else there may be, garbage included, has
+  /// places of the right axis, and always the same.
   HWY_INLINE hn::Vec<FourInts> operator()(FourFloats center) const {
-    const FourFloats place = hn::Mul(hn::Sub(center, base_), scale_);
-    const auto clamped = hn::Min(hn::ConvertTo(FourInts(), place), last_);
-    return hn::Max(clamped, hn::Zero(FourInts()));
+    const FourFloats bin = hn::Floor(hn::Mul(hn::Sub(center, base_), scale_));
+    // Floats from here on are quarters apart: their last bits count quarters.
+    const FourFloats shifted = hn::Add(bin, hn::Set(Four(), 0x1p21f));
+    const FourInts d;
+    const auto last_bits = hn::Set(d, Binning::place(Binning::most - 1, 0));
+    return hn::Add(hn::And(hn::BitCast(d, shifted), last_bits), hn::Iota(d, 0));
   }
 
  private:
   FourFloats base_, scale_;
-  hn::Vec<FourInts> last_;
 };
 
 /// Left are the triangles in bins below `plane` along `axis`.
@@ -198,8 +213,7 @@ struct Split {
   bool found() const { return axis >= 0; }
 };
 
-/// Triangles per bin and axis with the boxes around them. The place of a bin along an axis is
-/// 4 bin + axis; every fourth place is free.
+/// Triangles per bin and axis with the boxes around them.
 struct Bins {
   SignedBox box[Binning::most * 4];
   alignas(16) std::int32_t count[Binning::most * 4];
@@ -207,8 +221,8 @@ struct Bins {
   /// Empties as many bins as are used; the others are left as they are.
   void clear(int bins) {
     for (int bin = 0; bin < bins; ++bin) {
-      std::fill_n(box + 4 * bin, 3, SignedBox::empty());
-      std::fill_n(count + 4 * bin, 4, 0);
+      std::fill_n(box + Binning::place(bin, 0), 3, SignedBox::empty());
+      std::fill_n(count + Binning::place(bin, 0), 4, 0);
     }
   }
 
@@ -234,7 +248,8 @@ struct Bins {
 
   void add(const Bins& other, int bins) {
     for (int bin = 0; bin < bins; ++bin) {
-      for (int place = 4 * bin; place < 4 * bin + 3; ++place) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int place = Binning::place(bin, axis);
         box[place].add(other.box[place]);
         count[place] += other.count[place];
       }
@@ -244,7 +259,7 @@ struct Bins {
   /// The references left of `split`.
   std::uint32_t left_of(const Split& split) const {
     std::int32_t left = 0;
-    for (int bin = 0; bin < split.plane; ++bin) left += count[4 * bin + split.axis];
+    for (int bin = 0; bin < split.plane; ++bin) left += count[Binning::place(bin, split.axis)];
     return static_cast<std::uint32_t>(left);
   }
 
@@ -264,9 +279,8 @@ struct Bins {
 
  private:
   HWY_INLINE void put(const Reference& reference, const Binner& binner) {
-    const FourInts d;
     alignas(16) std::int32_t place[4];
-    hn::Store(hn::Add(hn::ShiftLeft<2>(binner(reference.center())), hn::Iota(d, 0)), d, place);
+    hn::Store(binner(reference.center()), FourInts(), place);
     put(reference, static_cast<std::uint32_t>(place[0]));
     put(reference, static_cast<std::uint32_t>(place[1]));
     put(reference, static_cast<std::uint32_t>(place[2]));
@@ -278,7 +292,7 @@ struct Bins {
 
   Box box_of(int first_bin, int end, int axis) const {
     SignedBox all = SignedBox::empty();
-    for (int bin = first_bin; bin < end; ++bin) all.add(box[4 * bin + axis]);
+    for (int bin = first_bin; bin < end; ++bin) all.add(box[Binning::place(bin, axis)]);
     return all.box();
   }
 
@@ -292,11 +306,11 @@ struct Bins {
     }
     HWY_INLINE void add(const Bins& bins, int bin) {
       for (int axis = 0; axis < 3; ++axis) {
-        const float* const box = bins.box[4 * bin + axis].of;
+        const float* const box = bins.box[Binning::place(bin, axis)].of;
         lower_[axis] = hn::Min(lower_[axis], hn::Load(Four(), box));
         upper_[axis] = hn::Min(upper_[axis], hn::Load(Four(), box + 4));
       }
-      count = hn::Add(count, hn::Load(FourInts(), bins.count + 4 * bin));
+      count = hn::Add(count, hn::Load(FourInts(), bins.count + Binning::place(bin, 0)));
     }
     /// Half of the surface times the number of blocks.
     HWY_INLINE FourFloats cost(FourFloats unit) const {
@@ -386,12 +400,13 @@ inline std::array<CenterBounds, 2> partition(const Reference* references, std::u
   const Binner binner(split.binning);
   FourFloats lower[2] = {hn::Set(d, infinity), hn::Set(d, infinity)};
   FourFloats upper[2] = {hn::Set(d, -infinity), hn::Set(d, -infinity)};
+  const int first_right = Binning::place(split.plane, split.axis);
   Reference* to[2] = {left, right};
   for (std::uint32_t i = 0; i < count; ++i) {
     const FourFloats center = references[i].center();
-    alignas(16) std::int32_t bin[4];
-    hn::Store(binner(center), FourInts(), bin);
-    const bool side = bin[split.axis] >= split.plane;
+    alignas(16) std::int32_t place[4];
+    hn::Store(binner(center), FourInts(), place);
+    const bool side = place[split.axis] >= first_right;
     *to[side]++ = references[i];
     for (int k = 0; k < 2; ++k) {
       const FourFloats far = hn::Set(d, away[side][k]);
