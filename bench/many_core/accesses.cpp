@@ -14,18 +14,23 @@ using virtual_cores::Value;
 namespace {
 
 // As virtual_cores::read_memory and write_memory; inline, for nearly all words have eight bytes.
-Value read_memory(std::uintptr_t address, std::size_t size) {
+std::uint64_t read_word(std::uintptr_t address) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr)
-  if (size == 8) return *reinterpret_cast<const volatile std::uint64_t*>(address);
-  return virtual_cores::read_memory(address, size);
+  return *reinterpret_cast<const volatile std::uint64_t*>(address);
+}
+void write_word(std::uintptr_t address, std::uint64_t value) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  *reinterpret_cast<volatile std::uint64_t*>(address) = value;
+}
+Value read_memory(std::uintptr_t address, std::size_t size) {
+  return size == 8 ? read_word(address) : virtual_cores::read_memory(address, size);
 }
 void write_memory(std::uintptr_t address, std::size_t size, Value value) {
-  if (size != 8) {
+  if (size == 8) {
+    write_word(address, static_cast<std::uint64_t>(value));
+  } else {
     virtual_cores::write_memory(address, size, value);
-    return;
   }
-  // NOLINTNEXTLINE(performance-no-int-to-ptr)
-  *reinterpret_cast<volatile std::uint64_t*>(address) = static_cast<std::uint64_t>(value);
 }
 
 // The bytes of a line that an access uses, a bit each.
@@ -72,17 +77,6 @@ void Machine::fetch(Thread& me, Line& line, Want want, const void* pc, std::uint
 // --- Reads -----------------------------------------------------------------------------------
 
 void Machine::read_line(Thread& me, std::uintptr_t address, std::uint64_t bytes, const void* pc) {
-  Line* line = directory_.find(address / line_bytes);
-  if (line != nullptr && line->held_by(me.core) && is_next(me, ahead_of(me, *line))) {
-    watch(me, *line);
-  } else {
-    line = &read_after_others(me, address, bytes, pc);
-  }
-  line->read |= bytes;
-}
-
-Line& Machine::read_after_others(Thread& me, std::uintptr_t address, std::uint64_t bytes,
-                                 const void* pc) {
   Line& line = line_of(me, address);
   sync(me, ahead_of(me, line));
   if (line.held_by(me.core)) {
@@ -90,7 +84,7 @@ Line& Machine::read_after_others(Thread& me, std::uintptr_t address, std::uint64
   } else {
     fetch(me, line, Want::copy, pc, bytes);
   }
-  return line;
+  line.read |= bytes;
 }
 
 void Machine::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
@@ -100,6 +94,18 @@ void Machine::plain_read(std::uintptr_t address, std::size_t size, const void* p
     me.clock += me.costs->plain_op;
     return;
   }
+  Line* line = at_hand(me, address, size, false);
+  if (line == nullptr) {
+    plain_read_late(me, address, size, pc);
+    return;
+  }
+  ++counts_.accesses;
+  line->read |= bytes_of(address, size);
+  me.clock += me.costs->plain_op;
+}
+
+void Machine::plain_read_late(Thread& me, std::uintptr_t address, std::size_t size,
+                              const void* pc) {
   const std::uintptr_t end = address + size;
   while (address < end) {
     const std::size_t part =
@@ -116,6 +122,21 @@ void Machine::plain_read(std::uintptr_t address, std::size_t size, const void* p
 }
 
 Value Machine::load(const Access& access) {
+  Thread& me = *me_;
+  LoopState& loop = me.loop;
+  Line* line = nullptr;
+  if (access.size == 8 && loop.age + 1 < LoopState::longest &&
+      (access.pc != loop.pc || access.address != loop.address))
+    line = at_hand(me, access.address, 8, false);
+  if (line == nullptr) return load_late(access);
+  ++loop.age;
+  ++counts_.accesses;
+  line->read |= bytes_of(access.address, 8);
+  me.clock += me.costs->load_hit;
+  return read_word(access.address);
+}
+
+Value Machine::load_late(const Access& access) {
   if (!timed_) return Tenant::load(access);
   Thread& me = *me_;
   ++counts_.accesses;
@@ -144,23 +165,10 @@ Value Machine::load(const Access& access) {
 // Gets the line of an operation that must be the only one there while it is done.
 Line& Machine::own(Thread& me, const Access& access, bool arithmetic) {
   ++counts_.accesses;
-  const std::uint64_t bytes = bytes_of(access.address, access.size);
-  Line* line = directory_.find(access.address / line_bytes);
-  if (line != nullptr && line->owner == me.core && me.stores.empty() && me.clock >= me.committed &&
-      is_next(me, ahead_of(me, *line))) {
-    watch(me, *line);
-  } else {
-    line = &own_after_others(me, access, bytes, arithmetic);
-  }
-  line->written |= bytes;
-  return *line;
-}
-
-Line& Machine::own_after_others(Thread& me, const Access& access, std::uint64_t bytes,
-                                bool arithmetic) {
   drain(me);
   Line& line = line_of(me, access.address);
   sync(me, ahead_of(me, line));
+  const std::uint64_t bytes = bytes_of(access.address, access.size);
   if (line.owner == me.core) {
     watch(me, line);
   } else {
@@ -168,26 +176,30 @@ Line& Machine::own_after_others(Thread& me, const Access& access, std::uint64_t 
     const bool far = arithmetic && profile_.far_atomic > 0 && line.used && line.last != me.core;
     fetch(me, line, far ? Want::far : Want::ownership, access.pc, bytes);
   }
+  line.written |= bytes;
   return line;
 }
 
-void Machine::finish_update(Thread& me, Line& line, bool changed) {
-  me.changes += changed ? 1 : 0;
-  if (line.owner != me.core) return;  // it was done at the home
-  me.clock += me.costs->rmw_hit;
-  line.available = std::max(line.available, me.clock);
+Value Machine::modify(const Access& access, Operation operation, Value operand) {
+  Thread& me = *me_;
+  Line* line = access.size == 8 ? at_hand(me, access.address, 8, true) : nullptr;
+  if (line == nullptr) return modify_late(access, operation, operand);
+  ++counts_.accesses;
+  line->written |= bytes_of(access.address, 8);
+  const std::uint64_t before = read_word(access.address);
+  const std::uint64_t after =
+      virtual_cores::apply(operation, before, static_cast<std::uint64_t>(operand), 8);
+  write_word(access.address, after);
+  finish_update(me, *line, before != after);
+  return before;
 }
 
-Value Machine::modify(const Access& access, Operation operation, Value operand) {
+Value Machine::modify_late(const Access& access, Operation operation, Value operand) {
   if (!timed_) return Tenant::modify(access, operation, operand);
   Thread& me = *me_;
   Line& line = own(me, access, true);
   const Value before = read_memory(access.address, access.size);
-  const Value after =
-      access.size == 8
-          ? virtual_cores::apply<std::uint64_t>(operation, static_cast<std::uint64_t>(before),
-                                                static_cast<std::uint64_t>(operand), 8)
-          : virtual_cores::apply<Value>(operation, before, operand, access.size);
+  const Value after = virtual_cores::apply(operation, before, operand, access.size);
   write_memory(access.address, access.size, after);
   finish_update(me, line, before != after);
   return before;
@@ -196,6 +208,21 @@ Value Machine::modify(const Access& access, Operation operation, Value operand) 
 bool Machine::compare_exchange(const Access& access, Order failure, bool weak, Value& expected,
                                Value desired) {
   if (!timed_) return Tenant::compare_exchange(access, failure, weak, expected, desired);
+  Thread& me = *me_;
+  Line* line = access.size == 8 ? at_hand(me, access.address, 8, true) : nullptr;
+  if (line == nullptr) return compare_exchange_late(access, expected, desired);
+  ++counts_.accesses;
+  line->written |= bytes_of(access.address, 8);
+  const std::uint64_t before = read_word(access.address);
+  const bool equal = before == expected;
+  if (equal) write_word(access.address, static_cast<std::uint64_t>(desired));
+  ++(equal ? counts_.swaps : counts_.failed_swaps);
+  finish_update(me, *line, equal && before != desired);
+  expected = before;
+  return equal;
+}
+
+bool Machine::compare_exchange_late(const Access& access, Value& expected, Value desired) {
   Thread& me = *me_;
   Line& line = own(me, access, false);
   const Value before = read_memory(access.address, access.size);
@@ -267,6 +294,7 @@ void Machine::commit_store(Thread& me, Line& line, Time done) {
 }
 
 void Machine::drain(Thread& me) {
+  if (me.stores.empty() && me.clock >= me.committed) return;
   const Time since = me.clock;
   if (!me.stores.empty()) {
     me.draining = true;
@@ -313,6 +341,19 @@ void Machine::plain_write(std::uintptr_t address, std::size_t size, const void* 
     me.clock += me.costs->plain_op;
     return;
   }
+  Line* line = at_hand(me, address, size, true);
+  if (line == nullptr) {
+    plain_write_late(me, address, size, pc);
+    return;
+  }
+  ++counts_.accesses;
+  ++me.changes;
+  line->written |= bytes_of(address, size);
+  me.clock += me.costs->plain_op;
+}
+
+void Machine::plain_write_late(Thread& me, std::uintptr_t address, std::size_t size,
+                               const void* pc) {
   ++me.changes;
   const std::uintptr_t end = address + size;
   while (address < end) {

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <cmath>
 #include <vector>
 
 #include "bench/many_core/events.hpp"
@@ -11,8 +10,11 @@
 
 namespace irt::many_core {
 
+/// Rounded to the nearest, halves upwards; `ns` is not negative.
 inline Time picoseconds(double ns) {
-  return std::llround(ns * static_cast<double>(nanosecond));
+  const double exact = ns * static_cast<double>(nanosecond);
+  const auto whole = static_cast<Time>(exact);
+  return whole + (exact - static_cast<double>(whole) >= 0.5 ? 1 : 0);
 }
 
 /// What a core does alone. A core whose sibling works has slower ones.

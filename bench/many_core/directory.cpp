@@ -1,6 +1,7 @@
 #include "bench/many_core/directory.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace irt::many_core {
 
@@ -130,10 +131,6 @@ void Directory::note(Line& line, const Request& request, Time done) {
 }
 
 Directory::Served Directory::serve(Line& line, Time now) {
-  if (now < line.available) {
-    events_.push(line.event, line.available);
-    return {};
-  }
   Request& request = take(line, now);
   const unsigned core = request.core;
   const bool contended = line.waiting != nullptr;

@@ -94,11 +94,11 @@ class Directory {
   void send(Line& line, Request& request, Time now);
 
   struct Served {
-    Request* request = nullptr;  ///< null: the line is still busy, and the event moved
-    Time done = 0;
-    bool moved = false;  ///< not, where the core held the line by then
+    Request* request;
+    Time done;
+    bool moved;  ///< not, where the core held the line by then
   };
-  /// The line's event: serves one request.
+  /// The line's event, at a moment when it is free: serves one request.
   Served serve(Line& line, Time now);
 
   /// Forgets what was noted of lines so far.

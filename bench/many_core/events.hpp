@@ -39,36 +39,35 @@ class EventQueue {
 
   bool empty() const { return count_ == 0; }
   /// The next event, which stays there. There must be one.
-  const Event& front() const { return *soon_[count_].event; }
+  const Event& front() const { return *soon_.events[count_]; }
   /// When the next event happens; `never` if there is none.
-  Time front_time() const { return static_cast<Time>(soon_[count_].key >> 64U); }
+  Time front_time() const { return soon_.times[count_]; }
 
   /// `event` must not be scheduled.
   void push(Event& event, Time time) {
     event.time = time;
     event.order = (event.line != nullptr ? 0 : thread_order) + ++sequence_;
     event.scheduled = true;
-    const Entry entry{key_of(event), &event};
-    if (entry.key < later_from_ && count_ == places) make_room();
-    if (entry.key >= later_from_) {
-      add_later(entry);
+    if (count_ == places && is_soon(event)) make_room();
+    if (!is_soon(event)) {
+      add_later(event);
       return;
     }
     std::size_t at = ++count_;
-    for (; soon_[at - 1].key < entry.key; --at) soon_[at] = soon_[at - 1];
-    soon_[at] = entry;
+    for (; soon_.is_before(at - 1, event); --at) soon_.copy(at - 1, at);
+    soon_.put(at, event);
   }
 
   /// `event` must be scheduled.
   void remove(Event& event) {
     event.scheduled = false;
-    if (key_of(event) >= later_from_) {
+    if (!is_soon(event)) {
       ++stale_;
       return;
     }
     std::size_t at = count_;
-    while (soon_[at].event != &event) --at;
-    for (; at < count_; ++at) soon_[at] = soon_[at + 1];
+    while (soon_.events[at] != &event) --at;
+    for (; at < count_; ++at) soon_.copy(at + 1, at);
     if (--count_ == 0 && !later_.empty()) refill();
   }
 
@@ -79,7 +78,7 @@ class EventQueue {
 
   /// Takes the next event. There must be one.
   Event& pop() {
-    Event& event = *soon_[count_].event;
+    Event& event = *soon_.events[count_];
     event.scheduled = false;
     if (--count_ == 0 && !later_.empty()) refill();
     return event;
@@ -93,58 +92,85 @@ class EventQueue {
   // Time, then order, in one number.
   __extension__ using Key = unsigned __int128;
   static constexpr Key last_key = Key{static_cast<std::uint64_t>(never)} << 64U | ~std::uint64_t{0};
-  struct Entry {
-    Key key = last_key;
-    Event* event = nullptr;
-  };
-
   static Key key_of(const Event& event) {
     return Key{static_cast<std::uint64_t>(event.time)} << 64U | event.order;
   }
-  static bool is_stale(const Entry& entry) {
-    return !entry.event->scheduled || entry.event->order != static_cast<std::uint64_t>(entry.key);
-  }
-  static bool is_later(const Entry& a, const Entry& b) { return a.key > b.key; }
 
-  void add_later(const Entry& entry) {
+  // The list, the next event last. Before the first place stands one that nothing comes after. Each
+  // figure has an array of its own: a processor that has just written two words must wait before it
+  // can read both at once, which is how compilers copy entries.
+  struct List {
+    std::array<Time, places + 1> times{never};
+    std::array<std::uint64_t, places + 1> orders{~std::uint64_t{0}};
+    std::array<Event*, places + 1> events{};
+
+    bool is_before(std::size_t at, const Event& event) const {
+      return times[at] < event.time || (times[at] == event.time && orders[at] < event.order);
+    }
+    void put(std::size_t at, Event& event) {
+      times[at] = event.time;
+      orders[at] = event.order;
+      events[at] = &event;
+    }
+    void copy(std::size_t from, std::size_t to) {
+      times[to] = times[from];
+      orders[to] = orders[from];
+      events[to] = events[from];
+    }
+  };
+  // An event of the heap, as it was when it came there.
+  struct Entry {
+    Key key;
+    Event* event;
+    bool is_stale() const { return !event->scheduled || key_of(*event) != key; }
+  };
+  struct IsLater {
+    bool operator()(const Entry& a, const Entry& b) const { return a.key > b.key; }
+  };
+
+  // Whether the event's place is in the list.
+  bool is_soon(const Event& event) const { return key_of(event) < later_from_; }
+
+  void add_later(Event& event) {
     if (stale_ > spare + later_.size() / 2) {
-      std::erase_if(later_, is_stale);
-      std::ranges::make_heap(later_, is_later);
+      std::erase_if(later_, [](const Entry& entry) { return entry.is_stale(); });
+      std::ranges::make_heap(later_, IsLater());
       stale_ = 0;
     }
-    later_.push_back(entry);
-    std::ranges::push_heap(later_, is_later);
+    later_.push_back({key_of(event), &event});
+    std::ranges::push_heap(later_, IsLater());
   }
 
   // Moves half of the list to the heap.
   void make_room() {
     constexpr std::size_t half = places / 2;
-    later_from_ = soon_[half].key;
+    later_from_ = key_of(*soon_.events[half]);
     for (std::size_t i = 1; i <= half; ++i) {
-      add_later(soon_[i]);
-      soon_[i] = soon_[half + i];
+      add_later(*soon_.events[i]);
+      soon_.copy(half + i, i);
     }
     count_ = half;
   }
 
   // Fills half of the list, which is empty, from the heap.
   void refill() {
-    while (count_ < places / 2 && !later_.empty()) {
-      std::ranges::pop_heap(later_, is_later);
-      if (is_stale(later_.back())) {
+    std::array<Event*, places / 2> next;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::size_t count = 0;
+    while (count < next.size() && !later_.empty()) {
+      std::ranges::pop_heap(later_, IsLater());
+      if (later_.back().is_stale()) {
         --stale_;
       } else {
-        soon_[++count_] = later_.back();
+        next[count++] = later_.back().event;
       }
       later_.pop_back();
     }
-    std::reverse(soon_.begin() + 1, soon_.begin() + 1 + static_cast<std::ptrdiff_t>(count_));
+    while (count != 0) soon_.put(++count_, *next[--count]);
     later_from_ = later_.empty() ? last_key : later_.front().key;
   }
 
-  // The next event is the last one of the list; the place before the first one stays empty.
-  std::array<Entry, places + 1> soon_;
-  std::size_t count_ = 0;
+  List soon_;
+  std::size_t count_ = 0;      // of the list
   Key later_from_ = last_key;  // all from here on are in the heap, all before in the list
   std::vector<Entry> later_;
   std::size_t stale_ = 0;  // of them

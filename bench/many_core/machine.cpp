@@ -169,9 +169,12 @@ void Machine::let_others(Thread& me, Time ahead) {
 // Serves a request. Where the thread that sent it goes on before anything else happens, and before
 // `limit`, returns it instead of making an event of it.
 unsigned Machine::serve(Line& line, Time now, Time limit) {
+  if (now < line.available) {  // it was used meanwhile
+    events_.push(line.event, line.available);
+    return host;
+  }
   const unsigned owner = line.owner;
   const auto [request, done, moved] = directory_.serve(line, now);
-  if (request == nullptr) return host;
   counts_.transfers += moved ? 1 : 0;
   if (line.watchers != nullptr && (request->want != Want::copy || owner != line.owner))
     wake_watchers(line, now);
@@ -181,9 +184,8 @@ unsigned Machine::serve(Line& line, Time now, Time limit) {
     commit_store(thread, line, done);
     return host;
   }
-  const Time queued = now - request->arrival;
-  note_wait(Cause::queueing, request->arrival, request->arrival + queued);
-  note_wait(Cause::transfer, request->issued + queued, done);
+  note_wait(Cause::queueing, request->arrival, now);
+  note_wait(Cause::transfer, request->issued + (now - request->arrival), done);
   if (done >= std::min(events_.front_time(), limit)) {
     events_.push(thread.event, done);
     return host;

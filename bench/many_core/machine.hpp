@@ -207,13 +207,34 @@ class Machine final : public virtual_cores::Tenant {
                ? private_window
                : 0;
   }
+  // What nearly all accesses to private data are: the line of these bytes, if the thread may use
+  // them at once, for it holds the line, its stores are done, nothing happens before its next step,
+  // and it is in no loop. Else null, and the slower way is taken (the functions named `late`).
+  Line* at_hand(const Thread& me, std::uintptr_t address, std::size_t size, bool to_write) const {
+    Line* line = directory_.find(address / line_bytes);
+    if (line == nullptr || !timed_ || me.loop.rounds != 0) return nullptr;
+    if (!me.stores.empty() || me.clock < me.committed) return nullptr;
+    if (line->owner != me.core && (to_write || !line->sharers.has(me.core))) return nullptr;
+    if (address % line_bytes + size > line_bytes) return nullptr;
+    return is_next(me, ahead_of(me, *line)) ? line : nullptr;
+  }
   void fetch(Thread& me, Line& line, Want want, const void* pc, std::uint64_t bytes);
   Line& own(Thread& me, const virtual_cores::Access& access, bool arithmetic);
-  Line& own_after_others(Thread& me, const virtual_cores::Access& access, std::uint64_t bytes,
-                         bool arithmetic);
-  void finish_update(Thread& me, Line& line, bool changed);
+  void finish_update(Thread& me, Line& line, bool changed) {
+    me.changes += changed ? 1 : 0;
+    if (line.owner != me.core) return;  // it was done at the home
+    me.clock += me.costs->rmw_hit;
+    line.available = std::max(line.available, me.clock);
+  }
+  virtual_cores::Value modify_late(const virtual_cores::Access& access,
+                                   virtual_cores::Operation operation,
+                                   virtual_cores::Value operand);
+  bool compare_exchange_late(const virtual_cores::Access& access, virtual_cores::Value& expected,
+                             virtual_cores::Value desired);
+  virtual_cores::Value load_late(const virtual_cores::Access& access);
+  void plain_read_late(Thread& me, std::uintptr_t address, std::size_t size, const void* pc);
+  void plain_write_late(Thread& me, std::uintptr_t address, std::size_t size, const void* pc);
   void read_line(Thread& me, std::uintptr_t address, std::uint64_t bytes, const void* pc);
-  Line& read_after_others(Thread& me, std::uintptr_t address, std::uint64_t bytes, const void* pc);
   void post(Thread& me, Line& line, const virtual_cores::Access& access,
             const virtual_cores::Value* value);
   void issue_store(Thread& me, Time now);
