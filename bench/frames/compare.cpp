@@ -415,7 +415,7 @@ class Comparison {
   }
 
   bool exact(std::size_t workload) const {
-    return plan_.workloads[workload].frame_buffer == "fixed-point";
+    return has_exact_sums(plan_.workloads[workload]);
   }
 
   const CompareOptions& options_;

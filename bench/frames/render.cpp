@@ -123,7 +123,7 @@ int render(RenderOptions options, const QueueRegistry& queues) {
   if (!options.json.empty()) write_text(options.json, runs.dump(2) + '\n');
   if (!options.csv.empty()) write_text(options.csv, csv(runs));
   if (sample.lost + sample.doubled != 0 ||
-      (!sample.same_image && workload.options().frame_buffer == "fixed-point")) {
+      (!sample.same_image && has_exact_sums(workload.options()))) {
     fmt::print(stderr,
                "irt: the queue {} is broken: {} tasks lost, {} handed out twice, images {}\n",
                queue.name, sample.lost, sample.doubled, sample.same_image ? "equal" : "differ");

@@ -117,6 +117,11 @@ bool uses_queue(const WorkloadOptions& options) {
   return entry_of(task_systems(), name, "task system").uses_queue;
 }
 
+bool has_exact_sums(const WorkloadOptions& options) {
+  std::string name = options.frame_buffer;
+  return entry_of(frame_buffers(), name, "frame buffer").exact;
+}
+
 Workload::Workload(const WorkloadOptions& options) : options_(options) {
   const auto begin = std::chrono::steady_clock::now();
   scene_ = load_scene(options_.scene);

@@ -42,6 +42,9 @@ void check(WorkloadOptions& options);
 /// Whether a frame with these options, which were checked, goes through a work queue.
 bool uses_queue(const WorkloadOptions& options);
 
+/// Whether a frame with these options, which were checked, has the same sums on every run.
+bool has_exact_sums(const WorkloadOptions& options);
+
 /// What it took to get from one frame to the next. Times in seconds.
 struct Motion {
   double pose_s = 0;    ///< to move the vertices

@@ -7,7 +7,7 @@
 
 #include "bench/tracer/contestant.hpp"
 #include "renderer/engine/engine.hpp"
-#include "renderer/frame_buffer/fixed_point.hpp"
+#include "renderer/frame_buffer/private_sums.hpp"
 #include "renderer/shading/image.hpp"
 
 namespace irt::bench {
@@ -23,12 +23,12 @@ class FrameBench {
   /// Renders one frame; returns the milliseconds from its first ray to the finished image.
   double run();
 
-  const FixedPointFrameBuffer& frame() const { return frame_; }
+  const FrameBuffer& frame() const { return frame_; }
   /// Rays of all kinds in the last frame.
   std::uint64_t rays() const { return rays_; }
 
  private:
-  FixedPointFrameBuffer frame_;
+  PrivateSumsFrameBuffer frame_;
   std::unique_ptr<Shader> shader_;
   ImageRendering application_;
   std::unique_ptr<Engine> engine_;

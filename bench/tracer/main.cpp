@@ -181,7 +181,7 @@ void measure_frames(const Scene& scene, std::uint32_t side, unsigned threads,
   for (std::size_t i = 0; i < contestants.size(); ++i) {
     benches.push_back(std::make_unique<FrameBench>(scene, side, threads, contestants[i]));
     benches[i]->run();  // allocates
-    const FixedPointFrameBuffer &expected = benches[0]->frame(), &frame = benches[i]->frame();
+    const FrameBuffer &expected = benches[0]->frame(), &frame = benches[i]->frame();
     if (contestants[i].same_bits && frame.hash() == expected.hash()) continue;
     const std::uint32_t differing = differing_pixels(expected, frame);
     if (contestants[i].same_bits || differing != 0) {

@@ -6,6 +6,7 @@
 #include "renderer/frame_buffer/atomic_float.hpp"
 #include "renderer/frame_buffer/fixed_point.hpp"
 #include "renderer/frame_buffer/gamma.hpp"
+#include "renderer/frame_buffer/private_sums.hpp"
 #include "renderer/frame_buffer/spinlock.hpp"
 
 namespace irt {
@@ -17,11 +18,13 @@ std::unique_ptr<FrameBuffer> make(std::uint32_t width, std::uint32_t height) {
 }
 
 constexpr std::array entries{
+    FrameBufferEntry{"private-sums", "integers per thread: nothing shared, the same bits always",
+                     true, make<PrivateSumsFrameBuffer>},
     FrameBufferEntry{"fixed-point", "integer fetch-and-add: wait-free, the same bits in any order",
-                     make<FixedPointFrameBuffer>},
-    FrameBufferEntry{"atomic-float", "compare-and-swap on floats: lock-free",
+                     true, make<FixedPointFrameBuffer>},
+    FrameBufferEntry{"atomic-float", "compare-and-swap on floats: lock-free", false,
                      make<AtomicFloatFrameBuffer>},
-    FrameBufferEntry{"spinlock", "floats behind one spinlock, the thesis' (3.2)",
+    FrameBufferEntry{"spinlock", "floats behind one spinlock, the thesis' (3.2)", false,
                      make<SpinlockFrameBuffer>},
 };
 
@@ -52,16 +55,20 @@ std::uint64_t FrameBuffer::hash() const {
   return fnv1a(image().rgb);
 }
 
-std::uint64_t FixedPointFrameBuffer::hash() const {
+std::uint64_t ExactFrameBuffer::hash() const {
   std::uint64_t state = fnv1a({});
-  for (const Words& words : words_) {
-    for (const auto* word : {&words.red, &words.green, &words.blue}) {
-      const std::uint64_t value = word->load(std::memory_order_relaxed);
-      std::array<std::uint8_t, 8> bytes{};
-      for (std::size_t i = 0; i < bytes.size(); ++i) {
-        bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
+  for (std::uint32_t first = 0; first < pixels(); first += at_once) {
+    FixedPointSum some[at_once];
+    const std::uint32_t count = std::min(at_once, pixels() - first);
+    fetch(first, count, some);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (const std::uint64_t value : {some[i].red, some[i].green, some[i].blue}) {
+        std::array<std::uint8_t, 8> bytes{};
+        for (std::size_t k = 0; k < bytes.size(); ++k) {
+          bytes[k] = static_cast<std::uint8_t>(value >> (8 * k));
+        }
+        state = fnv1a(bytes, state);
       }
-      state = fnv1a(bytes, state);
     }
   }
   return state;

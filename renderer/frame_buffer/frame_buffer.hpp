@@ -59,7 +59,7 @@ class FrameBuffer {
   }
 
   /// A 64-bit FNV-1a hash of the 8-bit picture, or of the exact sums where they do not depend on
-  /// the order of the adds (`fixed-point`).
+  /// the order of the adds (`FrameBufferEntry::exact`).
   virtual std::uint64_t hash() const;
 
   /// The picture, each channel clamped to [0, 1]. The gamma is 2 because a square root, unlike a
@@ -82,6 +82,7 @@ std::uint64_t fnv1a(std::span<const std::uint8_t> bytes,
 struct FrameBufferEntry {
   std::string_view name;
   std::string_view summary;
+  bool exact;  ///< the sums, and so the hash, do not depend on the order of the adds
   std::unique_ptr<FrameBuffer> (*make)(std::uint32_t width, std::uint32_t height);
 };
 

@@ -126,7 +126,7 @@ TEST(FixedPoint, TheBrightestSumsDoNotOverflow) {
   const float infinity = std::numeric_limits<float>::infinity();
   const std::uint64_t most = buffer.max_contributions();
   for (std::uint64_t i = 0; i < most; ++i) buffer.add(0, {infinity, 1e30f, 256});
-  const float brightest = static_cast<float>(most) * FixedPointFrameBuffer::max_value;
+  const float brightest = static_cast<float>(most) * FixedPointSum::max_value;
   EXPECT_EQ(buffer.sum(0), (Vec3{brightest, brightest, brightest}));
   EXPECT_EQ(buffer.contributions(0), most);
 }
