@@ -41,7 +41,8 @@ struct AnyAnswers {
   }
   template <int N>
   HWY_INLINE void put(std::uint32_t first, std::uint32_t end, const Packet<N>& packet) const {
-    const unsigned met = packet.met();
+    if (end - first == N) return store_bytes(packet.met(), occluded + first);
+    const unsigned met = packet.met().bits();
     for (std::uint32_t lane = first; lane < end; ++lane) occluded[lane] = met >> (lane - first) & 1;
   }
 };

@@ -41,9 +41,9 @@ struct FixedPointSum {
 
   // The product is exact, being by a power of two, and the conversion cuts alike everywhere.
   static std::uint64_t quantize(float value) {
-    if (!(value > 0)) return 0;  // a NaN, too
-    if (value > max_value) value = max_value;
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(value * scale));
+    const float positive = value > 0 ? value : 0;  // a NaN, too
+    const float clamped = positive < max_value ? positive : max_value;
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(clamped * scale));
   }
   static float to_float(std::uint64_t sum) {
     // A sum has 48 bits at most, and processors convert signed numbers faster.

@@ -46,8 +46,9 @@ HWY_INLINE Lanes square_root(const Lanes& a) {
 template <class Vectors, class T>
 HWY_INLINE std::uint32_t put(const Vectors& values, const Truths<lanes>& which, T* to) {
   const typename Vectors::Tag d;
-  return static_cast<std::uint32_t>(
-      hn::CompressStore(values.part[0], hn::RebindMask(d, which.part[0]), d, to));
+  const auto mask = hn::RebindMask(d, which.part[0]);
+  hn::StoreU(hn::Compress(values.part[0], mask), d, to);
+  return static_cast<std::uint32_t>(hn::CountTrue(d, mask));
 }
 
 inline constexpr std::uint32_t surface_chunk = 64;

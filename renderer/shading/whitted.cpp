@@ -177,9 +177,9 @@ void add_light(FrameBuffer& frame, const Rays& rays, const std::uint8_t* occlude
     Gathered contributions(frame);
     for (std::uint32_t lane = chunk; lane < end; lane += lanes) {
       const std::uint32_t left = std::min<std::uint32_t>(end - lane, lanes);
-      std::uint32_t dark = 0;
-      for (std::uint32_t i = 0; i < left; ++i) dark |= std::uint32_t{occluded[lane + i]} << i;
-      const Truths<lanes> is_dark = truths<lanes>(dark);
+      alignas(16) std::uint8_t last[lanes] = {};
+      if (left < lanes) std::copy_n(occluded + lane, left, last);
+      const Truths<lanes> is_dark = load_bytes<lanes>(left < lanes ? last : occluded + lane);
       const Truths<lanes> is_ray =
           both(truths<lanes>((1u << left) - 1), Lanes::load(&rays.t_max[lane]) >= zero);
       contributions.add(is_ray, Indices<lanes>::load(&rays.pixel[lane]),

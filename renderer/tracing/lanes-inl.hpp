@@ -164,6 +164,30 @@ HWY_INLINE Truths<N> truths(std::uint32_t bits) {
   }
   return r;
 }
+/// A byte per lane: 1 where it is true, else 0.
+template <int N>
+HWY_INLINE void store_bytes(const Truths<N>& which, std::uint8_t* to) {
+  using Tag = typename Indices<N>::Tag;
+  const hn::Rebind<std::uint8_t, Tag> bytes;
+  for (int i = 0; i < FloatLayout<N>::parts; ++i) {
+    const auto ones = hn::IfThenElseZero(hn::RebindMask(Tag(), which.part[i]), hn::Set(Tag(), 1));
+    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(hn::RebindToSigned<Tag>(), ones)), bytes,
+               to + i * FloatLayout<N>::per_part);
+  }
+}
+/// True where the byte is not 0.
+template <int N>
+HWY_INLINE Truths<N> load_bytes(const std::uint8_t* from) {
+  using Tag = typename Indices<N>::Tag;
+  const hn::Rebind<std::uint8_t, Tag> bytes;
+  Truths<N> r;
+  for (int i = 0; i < FloatLayout<N>::parts; ++i) {
+    const auto wide =
+        hn::PromoteTo(Tag(), hn::LoadU(bytes, from + i * FloatLayout<N>::per_part));
+    r.part[i] = hn::RebindMask(typename Floats<N>::Tag(), hn::Ne(wide, hn::Zero(Tag())));
+  }
+  return r;
+}
 template <int N>
 HWY_INLINE float least_of(const Floats<N>& a) {
   auto least = a.part[0];

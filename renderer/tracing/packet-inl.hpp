@@ -89,8 +89,8 @@ struct Packet {
     triangle = Indices<N>(no_triangle);
   }
 
-  /// The lanes that have met a triangle, as bits.
-  HWY_INLINE unsigned met() const { return (triangle != Indices<N>(no_triangle)).bits(); }
+  /// The lanes that have met a triangle.
+  HWY_INLINE Truths<N> met() const { return triangle != Indices<N>(no_triangle); }
 
   /// The lanes with a ray that may meet something.
   HWY_INLINE Truths<N> alive() const { return t >= F(0.0f); }
