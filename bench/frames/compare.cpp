@@ -414,9 +414,7 @@ class Comparison {
     return references_[first].image_hash;
   }
 
-  bool exact(std::size_t workload) const {
-    return has_exact_sums(plan_.workloads[workload]);
-  }
+  bool exact(std::size_t workload) const { return has_exact_sums(plan_.workloads[workload]); }
 
   const CompareOptions& options_;
   QueueRegistry& queues_;

@@ -28,7 +28,7 @@ struct KernelRay : TraversalRay {
   explicit KernelRay(const Ray& ray)
       : TraversalRay(ray),
         line(Kernel::template prepare<float>(
-            scalar::LineOf<float>{vec_of(ray.origin), vec_of(ray.direction)})) {}
+            scalar::LineOf<float>{vec_of(ray.origin), vec_of(ray.direction), limit})) {}
 
   /// Whether the line crosses `triangle`, and where.
   bool crosses(const Triangle& triangle, Hit& hit) const {

@@ -89,7 +89,7 @@ class WaldTracer {
         direction_[axis][lane] = ray.direction[axis];
         inverse_[axis][lane] = ray.inverse[axis];
       }
-      t[lane] = ray.limit;
+      t[lane] = end_[lane] = ray.limit;
       triangle[lane] = no_triangle;
     }
     for (int axis = 0; axis < 3; ++axis) {
@@ -156,8 +156,8 @@ class WaldTracer {
   HWY_INLINE void meet_leaf(const WaldNode& node, std::uint32_t first) {
     for (std::uint32_t packet = first; packet < packets_; ++packet) {
       if (packet != first && !enters(node, packet)) continue;
-      const auto line = Kernel::template prepare<Lanes>(
-          LineOf<Lanes>{lanes(origin_, packet), lanes(direction_, packet)});
+      const auto line = Kernel::template prepare<Lanes>(LineOf<Lanes>{
+          lanes(origin_, packet), lanes(direction_, packet), Lanes::load(end_ + packet * N)});
       for (std::uint32_t i = 0; i < node.triangles; ++i) {
         const WaldTriangle& one = tree_.triangles[node.first + i];
         const CornersOf<Lanes> corners{broadcast<Lanes>(one.corners.a),
@@ -201,7 +201,7 @@ class WaldTracer {
   std::uint32_t packets_ = 0;
   bool any_alive_ = false;
   AxisBounds bounds_[3];
-  alignas(64) float origin_[3][most], direction_[3][most], inverse_[3][most];
+  alignas(64) float origin_[3][most], direction_[3][most], inverse_[3][most], end_[most];
 };
 
 }  // namespace irt::HWY_NAMESPACE

@@ -106,6 +106,7 @@ HWY_INLINE bool meet_lanes(BlockBoxes& boxes, int lane, const CrossingOf<Floats<
   const Truths<N> met = both(crossing.met, both(both(own.reaches(packet.t), t > F(0.0f)), nearer));
   if (!any(met)) return false;
   packet.t = select(met, any_hit ? F(-1.0f) : t, packet.t);
+  if (any_hit) packet.line.end = select(met, F(-1.0f), packet.line.end);
   packet.u = select(met, crossing.u, packet.u);
   packet.v = select(met, crossing.v, packet.v);
   packet.triangle = select(met, index, packet.triangle);

@@ -198,13 +198,14 @@ class PacketTrace {
 
   /// The lanes of `which` below `child`, each on its own.
   void singly(WideChild child, unsigned which) {
-    alignas(64) float lanes[10][N];
+    alignas(64) float lanes[11][N];
     alignas(64) std::uint32_t triangles[N];
     const VecOf<F>&origin = packet_.line.origin, &direction = packet_.line.direction,
           &inverse = packet_.inverse;
-    const F* const values[] = {&origin.x,    &origin.y,  &origin.z,  &direction.x, &direction.y,
-                               &direction.z, &inverse.x, &inverse.y, &inverse.z,   &packet_.t};
-    for (int i = 0; i < 10; ++i) values[i]->store(lanes[i]);
+    const F* const values[] = {&origin.x,    &origin.y,    &origin.z,        &direction.x,
+                               &direction.y, &direction.z, &inverse.x,       &inverse.y,
+                               &inverse.z,   &packet_.t,   &packet_.line.end};
+    for (int i = 0; i < 11; ++i) values[i]->store(lanes[i]);
     packet_.triangle.store(triangles);
     bool changed = false;
     for (; which != 0; which &= which - 1) {
@@ -213,6 +214,7 @@ class PacketTrace {
       ray.origin = {lanes[0][lane], lanes[1][lane], lanes[2][lane]};
       ray.direction = {lanes[3][lane], lanes[4][lane], lanes[5][lane]};
       ray.inverse = {lanes[6][lane], lanes[7][lane], lanes[8][lane]};
+      ray.limit = lanes[10][lane];
       const Hit before{lanes[9][lane], 0, 0, triangles[lane]};
       Hit best = before;
       query_.code->single[query_.any](bvh_, ray, {child, 0}, query_.probe, best);

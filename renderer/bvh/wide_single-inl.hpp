@@ -100,8 +100,9 @@ template <class Kernel, bool any_hit>
 void trace_single(const WideBvh& bvh, const TraversalRay& from, Waiting start, TickProbe* probe,
                   Hit& best) {
   const SingleRay ray(from);
-  const auto line = Kernel::template prepare<BlockFloats>(LineOf<BlockFloats>{
-      broadcast<BlockFloats>(from.origin), broadcast<BlockFloats>(from.direction)});
+  const auto line = Kernel::template prepare<BlockFloats>(
+      LineOf<BlockFloats>{broadcast<BlockFloats>(from.origin),
+                          broadcast<BlockFloats>(from.direction), BlockFloats(from.limit)});
   Waiting stack[most_waiting];
   Waiting* top = stack;
   *top++ = start;

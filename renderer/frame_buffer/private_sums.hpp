@@ -16,8 +16,8 @@ namespace irt {
 ///
 /// Memory: 24 bytes per pixel and thread, of which only strips that the thread adds to are touched.
 ///
-/// How it works: with its first add in a frame a thread takes an array of sums, its own of the frame
-/// before if there is one. A strip of pixels is set to zero with the first add to it, so that
+/// How it works: with its first add in a frame a thread takes an array of sums, its own of the
+/// frame before if there is one. A strip of pixels is set to zero with the first add to it, so that
 /// `clear` costs next to nothing and reading costs as much as there is to read. Sums are integers,
 /// so nobody can tell who added what.
 class PrivateSumsFrameBuffer final : public ExactFrameBuffer {

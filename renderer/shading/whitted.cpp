@@ -47,7 +47,7 @@ class Secondary {
 
   /// Adds the rays of `which`, children of the rays from `first` on.
   HWY_INLINE void add(const Truths<lanes>& which, std::uint32_t first, const LineOf<Lanes>& line,
-                      float t_max, const Lanes3& weight, const Indices<lanes>& pixels) {
+                      const Lanes3& weight, const Indices<lanes>& pixels) {
     if (how_ != SecondaryRays::thesis && !any(which)) return;
     if (task_ == nullptr) {
       if (!any(which)) return;
@@ -59,7 +59,8 @@ class Secondary {
     Rays& rays = task_->rays;
     if (how_ == SecondaryRays::thesis) {
       const Lanes zero(0.0f);
-      store(rays, first, line, select(which, Lanes(t_max), Lanes(-1.0f)),
+      const Lanes end = select(which, line.end, Lanes(-1.0f));
+      store(rays, first, {line.origin, line.direction, end},
             {select(which, weight.x, zero), select(which, weight.y, zero),
              select(which, weight.z, zero)},
             pixels);
@@ -72,7 +73,7 @@ class Secondary {
     put(line.direction.x, which, &rays.direction_x[at]);
     put(line.direction.y, which, &rays.direction_y[at]);
     put(line.direction.z, which, &rays.direction_z[at]);
-    put(Lanes(t_max), which, &rays.t_max[at]);
+    put(line.end, which, &rays.t_max[at]);
     put(weight.x, which, &rays.weight_r[at]);
     put(weight.y, which, &rays.weight_g[at]);
     put(weight.z, which, &rays.weight_b[at]);
@@ -86,20 +87,19 @@ class Secondary {
     rays.size = parent_.rays.size;
     const Lanes zero(0.0f), one(1.0f);
     for (std::uint32_t first = 0; first < rays.size; first += lanes) {
-      store(rays, first, {{zero, zero, zero}, {one, one, one}}, Lanes(-1.0f), {zero, zero, zero},
+      store(rays, first, {{zero, zero, zero}, {one, one, one}, Lanes(-1.0f)}, {zero, zero, zero},
             Indices<lanes>(0u));
     }
   }
   static HWY_INLINE void store(Rays& rays, std::uint32_t at, const LineOf<Lanes>& line,
-                               const Lanes& t_max, const Lanes3& weight,
-                               const Indices<lanes>& pixels) {
+                               const Lanes3& weight, const Indices<lanes>& pixels) {
     line.origin.x.store(&rays.origin_x[at]);
     line.origin.y.store(&rays.origin_y[at]);
     line.origin.z.store(&rays.origin_z[at]);
     line.direction.x.store(&rays.direction_x[at]);
     line.direction.y.store(&rays.direction_y[at]);
     line.direction.z.store(&rays.direction_z[at]);
-    t_max.store(&rays.t_max[at]);
+    line.end.store(&rays.t_max[at]);
     weight.x.store(&rays.weight_r[at]);
     weight.y.store(&rays.weight_g[at]);
     weight.z.store(&rays.weight_b[at]);
@@ -153,7 +153,7 @@ void shade_hits(const Scene& scene, FrameBuffer& frame, const ShaderOptions& opt
         const Lanes3 brings = matt * broadcast<Lanes>(scene.lights[k].intensity) * cosine;
         const Truths<lanes> lit = both(is_surface, both(cosine > zero, any_above_zero(brings)));
         const Lanes3 end = surfaces.lifted(i, light);
-        shadow[k].add(lit, lane, {light, end - light}, 1, brings, pixels);
+        shadow[k].add(lit, lane, {light, end - light, Lanes(1.0f)}, brings, pixels);
       }
 
       if (task.depth == options.max_depth) continue;
@@ -162,10 +162,10 @@ void shade_hits(const Scene& scene, FrameBuffer& frame, const ShaderOptions& opt
                           Lanes::load(&rays.origin_z[lane])};
       const Lanes3 along{Lanes::load(&rays.direction_x[lane]), Lanes::load(&rays.direction_y[lane]),
                          Lanes::load(&rays.direction_z[lane])};
-      specular.add(
-          both(is_surface, any_above_zero(mirrored)), lane,
-          {surfaces.lifted(i, origin), along - normal * (Lanes(2.0f) * dot(along, normal))},
-          std::numeric_limits<float>::infinity(), mirrored, pixels);
+      specular.add(both(is_surface, any_above_zero(mirrored)), lane,
+                   {surfaces.lifted(i, origin), along - normal * (Lanes(2.0f) * dot(along, normal)),
+                    Lanes(std::numeric_limits<float>::infinity())},
+                   mirrored, pixels);
     }
   }
 }

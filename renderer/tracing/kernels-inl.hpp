@@ -64,10 +64,11 @@ template <class F>
 struct LineOf {
   using Value = F;
   VecOf<F> origin, direction;
+  F end;  ///< how far it goes
 
   template <class Next>
   HWY_INLINE static LineOf from(Next& next) {
-    return {VecOf<F>::from(next), VecOf<F>::from(next)};
+    return {VecOf<F>::from(next), VecOf<F>::from(next), next()};
   }
 };
 
@@ -82,6 +83,23 @@ struct CrossingOf {
 template <class F>
 HWY_INLINE TruthOf<F> is_invertible(const F& a) {
   return both(a >= F(std::numeric_limits<float>::min()), a <= F(std::numeric_limits<float>::max()));
+}
+
+/// The crossing whose coordinates are `t`, `u` and `v` times `size`. None lies beyond `end`: most
+/// triangles that a shadow ray passes behind its end are told apart by a multiplication.
+template <class F>
+HWY_INLINE CrossingOf<F> crossing_of(const F& u, const F& v, const F& t, const F& size,
+                                     const F& end) {
+  const F zero(0.0f);
+  CrossingOf<F> crossing{};
+  crossing.met = both(both(both(u >= zero, v >= zero), u + v <= size),
+                      both(is_invertible(size), t <= end * size));
+  if (!any(crossing.met)) return crossing;
+  const F inverse = F(1.0f) / size;
+  crossing.t = t * inverse;
+  crossing.u = u * inverse;
+  crossing.v = v * inverse;
+  return crossing;
 }
 
 /// The whole test of `Kernel` on a triangle and a line that it has prepared.
@@ -112,30 +130,32 @@ class ByLane {
   alignas(64) float values_[sizeof(From) / sizeof(Floats<N>)][N];
 };
 
-/// Möller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection". No division happens
-/// before the sides are known, and the determinant meets no threshold but the range in which it
-/// has an inverse: it shrinks with the square of the edges, so no other threshold suits all meshes.
+/// Möller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection", with the triple
+/// products turned so that the direction comes last: what it is multiplied with depends on the
+/// triangle and the origin alone. No division happens before the sides are known, and the
+/// determinant meets no threshold but the range in which it has an inverse: it shrinks with the
+/// square of the edges, so no other threshold suits all meshes.
 struct MollerTrumbore {
   template <class F>
   struct Triangle {
     using Value = F;
-    VecOf<F> a, edge1, edge2;
+    VecOf<F> a, edge1, edge2, normal;
 
     template <class Next>
     HWY_INLINE static Triangle from(Next& next) {
-      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next)};
+      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
+              VecOf<F>::from(next)};
     }
   };
   template <class F>
   struct Seen {
     using Value = F;
-    VecOf<F> edge1, edge2, s, q;
+    VecOf<F> normal, side_u, side_v;
     F height;
 
     template <class Next>
     HWY_INLINE static Seen from(Next& next) {
-      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
-              VecOf<F>::from(next), next()};
+      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next), next()};
     }
   };
   template <class F>
@@ -143,7 +163,8 @@ struct MollerTrumbore {
 
   template <class F>
   HWY_INLINE static Triangle<F> prepare(const CornersOf<F>& corners) {
-    return {corners.a, corners.b - corners.a, corners.c - corners.a};
+    const VecOf<F> edge1 = corners.b - corners.a, edge2 = corners.c - corners.a;
+    return {corners.a, edge1, edge2, cross(edge2, edge1)};
   }
   template <class F>
   HWY_INLINE static const Line<F>& prepare(const LineOf<F>& line) {
@@ -153,24 +174,15 @@ struct MollerTrumbore {
   HWY_INLINE static Seen<F> see(const Triangle<F>& triangle, const VecOf<F>& origin) {
     const VecOf<F> s = origin - triangle.a;
     const VecOf<F> q = cross(s, triangle.edge1);
-    return {triangle.edge1, triangle.edge2, s, q, dot(triangle.edge2, q)};
+    return {triangle.normal, cross(triangle.edge2, s), q, dot(triangle.edge2, q)};
   }
   template <class F>
   HWY_INLINE static CrossingOf<F> cross_at(const Seen<F>& seen, const Line<F>& line) {
-    const VecOf<F> p = cross(line.direction, seen.edge2);
-    const F determinant = dot(seen.edge1, p);
-    const F u = flip_sign(dot(seen.s, p), determinant);
-    const F v = flip_sign(dot(line.direction, seen.q), determinant);
-    const F size = magnitude(determinant);
-    const F zero(0.0f);
-    CrossingOf<F> crossing{};
-    crossing.met = both(both(both(u >= zero, v >= zero), u + v <= size), is_invertible(size));
-    if (!any(crossing.met)) return crossing;
-    const F inverse = F(1.0f) / size;
-    crossing.t = flip_sign(seen.height, determinant) * inverse;
-    crossing.u = u * inverse;
-    crossing.v = v * inverse;
-    return crossing;
+    const F determinant = dot(line.direction, seen.normal);
+    const F u = flip_sign(dot(line.direction, seen.side_u), determinant);
+    const F v = flip_sign(dot(line.direction, seen.side_v), determinant);
+    const F height = flip_sign(seen.height, determinant);
+    return crossing_of(u, v, height, magnitude(determinant), line.end);
   }
 };
 
@@ -224,15 +236,8 @@ struct KenslerShirley {
     const F zero(0.0f);
     const F u = flip_sign(dot(r, seen.edge2), determinant);
     const F v = flip_sign(zero - dot(r, seen.edge1), determinant);
-    const F size = magnitude(determinant);
-    CrossingOf<F> crossing{};
-    crossing.met = both(both(both(u >= zero, v >= zero), u + v <= size), is_invertible(size));
-    if (!any(crossing.met)) return crossing;
-    const F inverse = F(1.0f) / size;
-    crossing.t = flip_sign(seen.height, determinant) * inverse;
-    crossing.u = u * inverse;
-    crossing.v = v * inverse;
-    return crossing;
+    const F height = flip_sign(seen.height, determinant);
+    return crossing_of(u, v, height, magnitude(determinant), line.end);
   }
 };
 

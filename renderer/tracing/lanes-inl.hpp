@@ -182,8 +182,7 @@ HWY_INLINE Truths<N> load_bytes(const std::uint8_t* from) {
   const hn::Rebind<std::uint8_t, Tag> bytes;
   Truths<N> r;
   for (int i = 0; i < FloatLayout<N>::parts; ++i) {
-    const auto wide =
-        hn::PromoteTo(Tag(), hn::LoadU(bytes, from + i * FloatLayout<N>::per_part));
+    const auto wide = hn::PromoteTo(Tag(), hn::LoadU(bytes, from + i * FloatLayout<N>::per_part));
     r.part[i] = hn::RebindMask(typename Floats<N>::Tag(), hn::Ne(wide, hn::Zero(Tag())));
   }
   return r;

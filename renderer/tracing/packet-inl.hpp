@@ -76,7 +76,8 @@ struct Packet {
     line = {{F::load(&rays.origin_x[first]), F::load(&rays.origin_y[first]),
              F::load(&rays.origin_z[first])},
             {F::load(&rays.direction_x[first]), F::load(&rays.direction_y[first]),
-             F::load(&rays.direction_z[first])}};
+             F::load(&rays.direction_z[first])},
+            last_below(F::load(&rays.t_max[first]))};
     const VecOf<F>&o = line.origin, &d = line.direction;
     const F none(0.0f);
     inverse = {finite_inverse(d.x), finite_inverse(d.y), finite_inverse(d.z)};
@@ -84,7 +85,7 @@ struct Packet {
         (o.x * none + d.x * none) + (o.y * none + d.y * none) + (o.z * none + d.z * none);
     const std::uint32_t left = std::min<std::uint32_t>(rays.size - first, N);
     const Truths<N> sound = both(zero == none, truths<N>((1u << left) - 1));
-    t = select(sound, last_below(F::load(&rays.t_max[first])), F(-1.0f));
+    t = select(sound, line.end, F(-1.0f));
     u = v = none;
     triangle = Indices<N>(no_triangle);
   }

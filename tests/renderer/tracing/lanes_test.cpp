@@ -14,6 +14,7 @@ namespace irt::test {
 struct LanesCase {
   alignas(64) float corner[9][16];
   alignas(64) float line[6][16];
+  alignas(64) float end[16];
   std::uint32_t met;
   alignas(64) float t[16], u[16], v[16];
 };
@@ -38,7 +39,7 @@ void cross_lanes(test::LanesCase& lanes, int first) {
     return VecOf<F>{load(from[0]), load(from[1]), load(from[2])};
   };
   const CornersOf<F> corners{vec(lanes.corner), vec(lanes.corner + 3), vec(lanes.corner + 6)};
-  const LineOf<F> line{vec(lanes.line), vec(lanes.line + 3)};
+  const LineOf<F> line{vec(lanes.line), vec(lanes.line + 3), load(lanes.end)};
   const CrossingOf<F> crossing =
       cross_at<Kernel, F>(Kernel::template prepare<F>(corners), Kernel::template prepare<F>(line));
   if constexpr (std::is_same_v<F, float>) {
@@ -111,7 +112,8 @@ namespace test {
 namespace {
 
 /// A quarter of the lines aim at a corner, a quarter at an edge's middle, the rest at random;
-/// some triangles are points or needles.
+/// some triangles are points or
+/// needles, and a third of the lines have an end.
 LanesCase random_case(Random& random) {
   LanesCase lanes{};
   for (int i = 0; i < 16; ++i) {
@@ -123,6 +125,8 @@ LanesCase random_case(Random& random) {
     if (i % 4 == 0) target = corner[0];
     if (i % 4 == 1) target = (corner[0] + corner[1]) * 0.5f;
     const Vec3 direction = target - origin;
+    // Targets are at 1: some lines end before, at or behind what they aim at.
+    lanes.end[i] = i % 3 == 0 ? random.in_box({}, {2, 2, 2}).x : std::numeric_limits<float>::max();
     for (int axis = 0; axis < 3; ++axis) {
       for (int k = 0; k < 3; ++k) lanes.corner[3 * k + axis][i] = corner[k][axis];
       lanes.line[axis][i] = origin[axis];
