@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "renderer/tracing/huge_pages.hpp"
 #include "renderer/tracing/intersection.hpp"
 
 namespace irt {
@@ -93,8 +94,8 @@ struct WideLeaf {
 
 /// Leaves what a vector grows by uninitialized.
 template <class T>
-struct Uninitialized : std::allocator<T> {
-  using std::allocator<T>::allocator;
+struct Uninitialized : HugePageAllocator<T> {
+  using HugePageAllocator<T>::HugePageAllocator;
   template <class U, class... Arguments>
   void construct(U* at, Arguments&&... arguments) {
     if constexpr (sizeof...(Arguments) == 0) {

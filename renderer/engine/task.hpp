@@ -14,7 +14,10 @@ enum class TaskKind : std::uint8_t { primary, shadow, specular };
 inline constexpr std::size_t task_kinds = 3;
 
 struct Task {
-  explicit Task(std::uint32_t capacity) : rays(capacity) {}
+  /// `memory`, for the rays, outlives the task.
+  explicit Task(std::uint32_t capacity,
+                std::pmr::memory_resource& memory = *std::pmr::new_delete_resource())
+      : rays(capacity, memory) {}
 
   TaskKind kind = TaskKind::primary;
   std::uint32_t depth = 0;   ///< bounces since the primary ray

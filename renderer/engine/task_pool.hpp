@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderer/engine/task.hpp"
+#include "renderer/tracing/huge_pages.hpp"
 
 namespace irt {
 
@@ -20,7 +21,7 @@ class TaskPool {
   Task& acquire(unsigned worker) {
     List& list = lists_[worker];
     if (list.free.empty()) {
-      list.owned.push_back(std::make_unique<Task>(rays_per_task_));
+      list.owned.push_back(std::make_unique<Task>(rays_per_task_, list.memory));
       return *list.owned.back();
     }
     Task& task = *list.free.back();
@@ -64,6 +65,8 @@ class TaskPool {
  private:
   // A worker's list shares no cache line, nor the pair of lines that is prefetched together.
   struct alignas(128) List {
+    // Of the rays of `owned`. Its pieces grow from a megabyte, so that few tasks take little.
+    std::pmr::monotonic_buffer_resource memory{std::size_t{1} << 20, &huge_pages()};
     std::vector<Task*> free;
     std::vector<std::unique_ptr<Task>> owned;
   };

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <memory_resource>
 #include <new>
 #include <span>
 
@@ -21,9 +22,11 @@ namespace irt {
 template <class T>
 class LaneArray {
  public:
-  explicit LaneArray(std::size_t lanes)
-      : data_(static_cast<T*>(::operator new(padded(lanes) * sizeof(T), alignment))) {
-    std::uninitialized_value_construct_n(data_.get(), padded(lanes));
+  /// `memory` outlives the array.
+  explicit LaneArray(std::size_t lanes,
+                     std::pmr::memory_resource& memory = *std::pmr::new_delete_resource())
+      : data_(static_cast<T*>(memory.allocate(bytes(lanes), alignment)), {&memory, bytes(lanes)}) {
+    std::uninitialized_value_construct_n(data_.get(), bytes(lanes) / sizeof(T));
   }
 
   T& operator[](std::size_t lane) { return data_[lane]; }
@@ -32,10 +35,14 @@ class LaneArray {
   const T* data() const { return data_.get(); }
 
  private:
-  static constexpr std::align_val_t alignment{64};
-  static constexpr std::size_t padded(std::size_t lanes) { return (lanes + 31) / 16 * 16; }
+  static constexpr std::size_t alignment = 64;
+  static constexpr std::size_t bytes(std::size_t lanes) {
+    return (lanes + 31) / 16 * 16 * sizeof(T);
+  }
   struct Delete {
-    void operator()(T* data) const { ::operator delete(data, alignment); }
+    std::pmr::memory_resource* memory;
+    std::size_t bytes;
+    void operator()(T* data) const { memory->deallocate(data, bytes, alignment); }
   };
   std::unique_ptr<T[], Delete> data_;
 };
@@ -49,19 +56,21 @@ struct Ray {
 
 /// Up to `capacity` rays with what each contributes to the frame.
 struct Rays {
-  explicit Rays(std::uint32_t lanes)
+  /// `memory` outlives the rays.
+  explicit Rays(std::uint32_t lanes,
+                std::pmr::memory_resource& memory = *std::pmr::new_delete_resource())
       : capacity(lanes),
-        origin_x(lanes),
-        origin_y(lanes),
-        origin_z(lanes),
-        direction_x(lanes),
-        direction_y(lanes),
-        direction_z(lanes),
-        t_max(lanes),
-        weight_r(lanes),
-        weight_g(lanes),
-        weight_b(lanes),
-        pixel(lanes) {}
+        origin_x(lanes, memory),
+        origin_y(lanes, memory),
+        origin_z(lanes, memory),
+        direction_x(lanes, memory),
+        direction_y(lanes, memory),
+        direction_z(lanes, memory),
+        t_max(lanes, memory),
+        weight_r(lanes, memory),
+        weight_g(lanes, memory),
+        weight_b(lanes, memory),
+        pixel(lanes, memory) {}
 
   std::uint32_t size = 0;
   std::uint32_t capacity;
