@@ -23,9 +23,20 @@ struct FixedPointSum {
 
   std::uint64_t red = 0, green = 0, blue = 0;
 
+  /// A channel of a contribution as an integer.
+  static std::uint64_t quantize(float light) {
+    const float positive = light > 0 ? light : 0;  // a NaN, too
+    const float clamped = positive < max_value ? positive : max_value;
+    // The product is exact, being by a power of two, and the conversion cuts alike everywhere.
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(clamped * scale));
+  }
   /// A single contribution.
   static FixedPointSum of(Vec3 light) {
-    return {(quantize(light.x) << count_bits) + 1, quantize(light.y), quantize(light.z)};
+    return of_integers(quantize(light.x), quantize(light.y), quantize(light.z));
+  }
+  /// The same of channels that `quantize` has made.
+  static FixedPointSum of_integers(std::uint64_t red, std::uint64_t green, std::uint64_t blue) {
+    return {(red << count_bits) + 1, green, blue};
   }
   FixedPointSum& operator+=(const FixedPointSum& other) {
     red += other.red;
@@ -39,12 +50,6 @@ struct FixedPointSum {
  private:
   static constexpr int count_bits = 16;
 
-  // The product is exact, being by a power of two, and the conversion cuts alike everywhere.
-  static std::uint64_t quantize(float value) {
-    const float positive = value > 0 ? value : 0;  // a NaN, too
-    const float clamped = positive < max_value ? positive : max_value;
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(clamped * scale));
-  }
   static float to_float(std::uint64_t sum) {
     // A sum has 48 bits at most, and processors convert signed numbers faster.
     return static_cast<float>(static_cast<double>(static_cast<std::int64_t>(sum)) / double{scale});

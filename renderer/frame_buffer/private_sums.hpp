@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "renderer/frame_buffer/fixed_point.hpp"
+#include "renderer/frame_buffer/quantize.hpp"
 
 namespace irt {
 
@@ -34,8 +35,16 @@ class PrivateSumsFrameBuffer final : public ExactFrameBuffer {
   void add(std::uint32_t count, const std::uint32_t* pixel, const float* red, const float* green,
            const float* blue) override {
     Sums& sums = mine();
-    for (std::uint32_t i = 0; i < count; ++i) {
-      sums.add(pixel[i], FixedPointSum::of({red[i], green[i], blue[i]}));
+    std::uint64_t channel[3][at_once];
+    for (std::uint32_t done = 0; done < count; done += at_once) {
+      const std::uint32_t now = std::min(at_once, count - done);
+      quantize(red + done, now, channel[0]);
+      quantize(green + done, now, channel[1]);
+      quantize(blue + done, now, channel[2]);
+      for (std::uint32_t i = 0; i < now; ++i) {
+        sums.add(pixel[done + i],
+                 FixedPointSum::of_integers(channel[0][i], channel[1][i], channel[2][i]));
+      }
     }
   }
 

@@ -19,7 +19,9 @@ HWY_INLINE Truths<lanes> any_above_zero(const Lanes3& colour) {
 class Gathered {
  public:
   explicit Gathered(FrameBuffer& frame) : frame_(frame) {}
-  ~Gathered() { frame_.add(count_, pixel_, channel_[0], channel_[1], channel_[2]); }
+  ~Gathered() {
+    frame_.add(static_cast<std::uint32_t>(count_), pixel_, channel_[0], channel_[1], channel_[2]);
+  }
   Gathered(const Gathered&) = delete;
   Gathered& operator=(const Gathered&) = delete;
 
@@ -33,7 +35,7 @@ class Gathered {
 
  private:
   FrameBuffer& frame_;
-  std::uint32_t count_ = 0;
+  std::size_t count_ = 0;  // of another type than the pixels, so that it can stay in a register
   std::uint32_t pixel_[surface_chunk + lanes];
   float channel_[3][surface_chunk + lanes];
 };
