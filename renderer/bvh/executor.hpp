@@ -8,8 +8,6 @@
 #include <thread>
 #include <vector>
 
-#include "queues/cache_line.hpp"
-
 namespace irt {
 
 /// Runs independent jobs. A build calls it from one thread at a time, never from within a job.
@@ -51,11 +49,12 @@ class ThreadExecutor final : public Executor {
   /// Looks at the gate for a while; true once it says something else than `seen`, which it then is.
   bool spin(std::uint32_t& seen) const;
 
-  alignas(cache_line_pair) std::atomic<std::uint32_t> gate_ = 0;
+  // No two share a line, nor the pair of lines that is prefetched together.
+  alignas(128) std::atomic<std::uint32_t> gate_ = 0;
   // Written before the gate opens, read by those inside.
   const std::function<void(std::size_t)>* job_ = nullptr;
   std::size_t count_ = 0;
-  alignas(cache_line_pair) std::atomic<std::size_t> next_ = 0;
+  alignas(128) std::atomic<std::size_t> next_ = 0;
   std::vector<std::thread> helpers_;
 };
 

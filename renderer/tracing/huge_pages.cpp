@@ -12,15 +12,16 @@ class HugePages final : public std::pmr::memory_resource {
   static std::size_t whole(std::size_t bytes) { return (bytes + huge - 1) / huge * huge; }
 
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-    if (bytes < huge || alignment > huge) return ::operator new(bytes, std::align_val_t{alignment});
-    void* block = ::operator new(whole(bytes), std::align_val_t{huge});
+    if (bytes < huge || alignment > huge)
+      return ::operator new (bytes, std::align_val_t{alignment});
+    void* block = ::operator new (whole(bytes), std::align_val_t{huge});
     // A wish: where the system does not know huge pages the block is as good, only slower.
     static_cast<void>(madvise(block, whole(bytes), MADV_HUGEPAGE));
     return block;
   }
   void do_deallocate(void* block, std::size_t bytes, std::size_t alignment) override {
     const std::size_t boundary = bytes < huge || alignment > huge ? alignment : huge;
-    ::operator delete(block, std::align_val_t{boundary});
+    ::operator delete (block, std::align_val_t{boundary});
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
     return this == &other;

@@ -19,7 +19,8 @@ struct HugePageAllocator {
 
   HugePageAllocator() = default;
   template <class U>
-  HugePageAllocator(const HugePageAllocator<U>& /*other*/) {}  // NOLINT(google-explicit-constructor)
+  HugePageAllocator(const HugePageAllocator<U>& /*other*/) {
+  }  // NOLINT(google-explicit-constructor)
 
   T* allocate(std::size_t count) {
     return static_cast<T*>(huge_pages().allocate(count * sizeof(T), alignof(T)));

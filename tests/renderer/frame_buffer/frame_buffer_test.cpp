@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "renderer/frame_buffer/fixed_point.hpp"
+#include "renderer/frame_buffer/private_sums.hpp"
 
 namespace irt {
 namespace {
@@ -103,13 +104,66 @@ TEST(FrameBuffer, FnvMatchesItsPublishedValues) {
   EXPECT_EQ(fnv1a(a), 0xaf63dc4c8601ec8cu);
 }
 
-TEST(FixedPoint, BitsDoNotDependOnOrderOrThreads) {
+TEST(FixedPoint, BitsDoNotDependOnOrderOrThreadsOrBuffer) {
   const auto all = contributions(8, 20'000);
   FixedPointFrameBuffer forward(4, 2);
   add_all(forward, all, 1);
-  FixedPointFrameBuffer threaded(4, 2);
-  add_all(threaded, {all.rbegin(), all.rend()}, 8);
-  EXPECT_EQ(forward.hash(), threaded.hash());
+  for (const FrameBufferEntry& entry : frame_buffers()) {
+    if (!entry.exact) continue;
+    SCOPED_TRACE(entry.name);
+    const auto threaded = entry.make(4, 2);
+    add_all(*threaded, {all.rbegin(), all.rend()}, 8);
+    EXPECT_EQ(forward.hash(), threaded->hash());
+  }
+}
+
+TEST(FixedPoint, ManyContributionsAreTheSameAsOneByOne) {
+  constexpr std::uint32_t count = 150, pixels = 37 * 11;
+  std::minstd_rand random(3);
+  std::uniform_real_distribution<float> light(-1, 300);  // some are clamped at either end
+  std::uint32_t pixel[count];
+  float red[count], green[count], blue[count];
+  for (std::uint32_t i = 0; i < count; ++i) {
+    pixel[i] = static_cast<std::uint32_t>(random() % pixels);
+    red[i] = light(random);
+    green[i] = i % 9 == 0 ? std::numeric_limits<float>::quiet_NaN() : light(random) / 300;
+    blue[i] = i % 7 == 0 ? std::numeric_limits<float>::infinity() : light(random) * 1e-7f;
+  }
+  FixedPointFrameBuffer one_by_one(37, 11);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    one_by_one.add(pixel[i], {red[i], green[i], blue[i]});
+  }
+  for (const FrameBufferEntry& entry : frame_buffers()) {
+    if (!entry.exact) continue;
+    SCOPED_TRACE(entry.name);
+    const auto together = entry.make(37, 11);
+    together->add(count, pixel, red, green, blue);
+    EXPECT_EQ(one_by_one.hash(), together->hash());
+  }
+}
+
+TEST(PrivateSums, ThreadsAndBuffersComeAndGo) {
+  PrivateSumsFrameBuffer one(64, 2), other(64, 2);
+  FixedPointFrameBuffer expected_one(64, 2), expected_other(64, 2);
+  for (int frame = 0; frame < 3; ++frame) {
+    for (FrameBuffer* buffer :
+         std::initializer_list<FrameBuffer*>{&one, &other, &expected_one, &expected_other}) {
+      buffer->clear();
+    }
+    for (int thread = 0; thread < 3; ++thread) {
+      std::jthread([&] {
+        for (std::uint32_t pixel = 0; pixel < 128; pixel += 5) {  // from one buffer to the other
+          const Vec3 light{0.5f, static_cast<float>(frame), static_cast<float>(thread)};
+          one.add(pixel, light);
+          expected_one.add(pixel, light);
+          other.add(pixel / 2, light * 0.5f);
+          expected_other.add(pixel / 2, light * 0.5f);
+        }
+      }).join();
+    }
+    EXPECT_EQ(one.hash(), expected_one.hash());
+    EXPECT_EQ(other.hash(), expected_other.hash());
+  }
 }
 
 TEST(FixedPoint, OneContributionMoreChangesTheHashEvenIfBlack) {
