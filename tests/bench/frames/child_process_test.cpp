@@ -130,7 +130,7 @@ TEST(ChildProcess, AStoppedOneDoesNotOutliveItsParent) {
       *grandchild.count = static_cast<unsigned long>(getpid());
       for (;;) pause();
     });
-    grandchild.await_more();
+    while (*grandchild.count == 0) sleep_ms(1);
     child.stop();
     raise(SIGKILL);
   }
