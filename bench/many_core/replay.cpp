@@ -22,7 +22,7 @@ class Player final : public ReplayHost {
         replay_module_(options.replay_module),
         marks_(options.threads),
         traced_(recording.tasks.size()),
-        add_ns_(3 * profile.rmw_hit) {
+        add_ns_(3 * (options.frame_buffer == "private-sums" ? profile.load_hit : profile.rmw_hit)) {
     choose_contributions();
   }
 

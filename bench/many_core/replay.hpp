@@ -23,7 +23,7 @@ namespace irt::many_core {
 struct ReplayOptions {
   std::filesystem::path queue_module{};   ///< a queue compiled for virtual cores
   std::filesystem::path replay_module{};  ///< replay_module.cpp, compiled so
-  std::string frame_buffer = "fixed-point";
+  std::string frame_buffer = "private-sums";
   unsigned threads = 1;
   unsigned frames = 1;  ///< measured, after one that is not
   Placement placement = Placement::close;
