@@ -1,5 +1,6 @@
 #include "renderer/bvh/dynamic.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace irt {
@@ -54,7 +55,9 @@ bool DynamicAccelerator::update(Executor& executor, double render_s) {
 bool DynamicAccelerator::rebuilding_pays(double render_s) {
   const double cost = current_->sah_cost();
   if (cost > cost_when_built_) lost_s_ += render_s * (1 - cost_when_built_ / cost);
-  return lost_s_ > rebuild_s_ - refit_s_;
+  // A refit that was interrupted may have taken longer than a rebuild. A tree that loses nothing is
+  // refitted all the same, which measures the refit anew.
+  return lost_s_ > std::max(0.0, rebuild_s_ - refit_s_);
 }
 
 }  // namespace irt
