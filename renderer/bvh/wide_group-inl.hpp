@@ -158,12 +158,110 @@ class GroupTrace {
   unsigned bundled_ = 0;  ///< the packets whose own bounds are in `bundles_`
 };
 
-/// Traces up to `most_in_group` packets: those of like signs together, those of mixed ones alone.
+/// Traces the packets of `members`, whose rays' directions have the same signs.
+template <int N>
+void trace_alike(const WideBvh& bvh, Packet<N>* packets, unsigned members, const Bundle& bundle,
+                 const WideQuery& query) {
+  if (bundle.one_origin()) {
+    GroupTrace<N, true>(bvh, packets, members, bundle, query).run();
+  } else {
+    GroupTrace<N, false>(bvh, packets, members, bundle, query).run();
+  }
+}
+
+/// Rays of packets whose directions differ in signs, packed anew by their signs.
+template <int N>
+class SortedRays {
+  using F = Floats<N>;
+
+ public:
+  SortedRays() {
+    for (OfSigns& rays : of_) rays.count = 0;
+  }
+
+  /// Adds those of the lanes `living` of packet number `k`.
+  void add(int k, const Packet<N>& packet, unsigned living, const SignLanes& negative) {
+    alignas(64) float lanes[fields][N];
+    const VecOf<F>&o = packet.line.origin, &d = packet.line.direction, &i = packet.inverse;
+    const F* const values[fields] = {&o.x, &o.y, &o.z, &d.x, &d.y,
+                                     &d.z, &i.x, &i.y, &i.z, &packet.line.end};
+    for (int field = 0; field < fields; ++field) values[field]->store(lanes[field]);
+    for (; living != 0; living &= living - 1) {
+      const int lane = std::countr_zero(living);
+      const unsigned signs = (negative.of[0] >> lane & 1) | (negative.of[1] >> lane & 1) << 1 |
+                             (negative.of[2] >> lane & 1) << 2;
+      OfSigns& rays = of_[signs];
+      for (int field = 0; field < fields; ++field)
+        rays.value[field][rays.count] = lanes[field][lane];
+      rays.from[rays.count++] = static_cast<std::uint16_t>(k * N + lane);
+    }
+  }
+
+  /// Traces them and puts what they meet into the lanes of `packets` that they are from.
+  void trace(const WideBvh& bvh, Packet<N>* packets, const WideQuery& query) {
+    for (OfSigns& rays : of_) {
+      if (rays.count == 0) continue;
+      Packet<N> sorted[most_in_group];
+      BundleBounds<N> bounds;
+      const std::uint32_t count = (rays.count + N - 1) / N;
+      for (std::uint32_t k = 0; k < count; ++k) {
+        load(rays, k * N, sorted[k]);
+        bounds.add(sorted[k], sorted[k].alive());
+      }
+      trace_alike<N>(bvh, sorted, (1u << count) - 1, bounds.bundle(), query);
+      for (std::uint32_t k = 0; k < count; ++k) put_back(rays, k * N, sorted[k], packets);
+    }
+  }
+
+ private:
+  static constexpr int fields = 10;
+  static constexpr std::uint32_t most = most_in_group * N;
+  struct OfSigns {
+    std::uint32_t count;
+    std::uint16_t from[most];  ///< packet times N plus lane
+    alignas(64) float value[fields][most];
+  };
+
+  static void load(OfSigns& rays, std::uint32_t first, Packet<N>& packet) {
+    for (std::uint32_t i = rays.count; i < first + N; ++i) {
+      for (auto& row : rays.value) row[i] = 1;
+    }
+    const auto row = [&](int field) HWY_ATTR { return F::load(rays.value[field] + first); };
+    packet.line = {{row(0), row(1), row(2)}, {row(3), row(4), row(5)}, row(9)};
+    packet.inverse = {row(6), row(7), row(8)};
+    const std::uint32_t left = std::min<std::uint32_t>(rays.count - first, N);
+    packet.t = select(truths<N>((1u << left) - 1), packet.line.end, F(-1.0f));
+    packet.u = packet.v = F(0.0f);
+    packet.triangle = Indices<N>(no_triangle);
+  }
+
+  static void put_back(const OfSigns& rays, std::uint32_t first, const Packet<N>& packet,
+                       Packet<N>* packets) {
+    alignas(64) float t[N], u[N], v[N];
+    alignas(64) std::uint32_t triangle[N];
+    packet.t.store(t);
+    packet.u.store(u);
+    packet.v.store(v);
+    packet.triangle.store(triangle);
+    for (unsigned met = packet.met().bits(); met != 0; met &= met - 1) {
+      const int lane = std::countr_zero(met);
+      const std::uint32_t from = rays.from[first + static_cast<std::uint32_t>(lane)];
+      packets[from / N].put(static_cast<int>(from % N),
+                            {t[lane], u[lane], v[lane], triangle[lane]});
+    }
+  }
+
+  OfSigns of_[8];
+};
+
+/// Traces up to `most_in_group` packets, rays of like signs together. Packets of mixed signs are
+/// packed anew.
 template <int N>
 void trace_group(const WideBvh& bvh, Packet<N>* packets, std::uint32_t count,
                  const WideQuery& query) {
   unsigned of_signs[8] = {};
   BundleBounds<N> bounds[8];
+  SortedRays<N> sorted;
   for (std::uint32_t k = 0; k < count; ++k) {
     Packet<N>& packet = packets[k];
     const Truths<N> alive = packet.alive();
@@ -178,7 +276,7 @@ void trace_group(const WideBvh& bvh, Packet<N>* packets, std::uint32_t count,
       mixed |= here != 0 && here != living;
     }
     if (mixed) {
-      trace_packet<N>(bvh, packet, query);
+      sorted.add(static_cast<int>(k), packet, living, negative);
     } else {
       of_signs[signs] |= 1u << k;
       bounds[signs].add(packet, alive);
@@ -187,13 +285,9 @@ void trace_group(const WideBvh& bvh, Packet<N>* packets, std::uint32_t count,
   for (int signs = 0; signs < 8; ++signs) {
     const unsigned members = of_signs[signs];
     if (members == 0) continue;
-    const Bundle bundle = bounds[signs].bundle();
-    if (bundle.one_origin()) {
-      GroupTrace<N, true>(bvh, packets, members, bundle, query).run();
-    } else {
-      GroupTrace<N, false>(bvh, packets, members, bundle, query).run();
-    }
+    trace_alike<N>(bvh, packets, members, bounds[signs].bundle(), query);
   }
+  sorted.trace(bvh, packets, query);
 }
 
 }  // namespace irt::HWY_NAMESPACE

@@ -219,18 +219,10 @@ class PacketTrace {
       Hit best = before;
       query_.code->single[query_.any](bvh_, ray, {child, 0}, query_.probe, best);
       if (best.t == before.t && best.triangle == before.triangle) continue;
-      put(lane, best);
+      packet_.put(lane, {query_.any ? -1.0f : best.t, best.u, best.v, best.triangle});
       changed = true;
     }
     if (changed) update_limit();
-  }
-
-  HWY_INLINE void put(int lane, const Hit& hit) {
-    const Truths<N> here = truths<N>(1u << lane);
-    packet_.t = select(here, F(query_.any ? -1.0f : hit.t), packet_.t);
-    packet_.u = select(here, F(hit.u), packet_.u);
-    packet_.v = select(here, F(hit.v), packet_.v);
-    packet_.triangle = select(here, Indices<N>(hit.triangle), packet_.triangle);
   }
 
   const WideBvh& bvh_;
@@ -240,38 +232,6 @@ class PacketTrace {
   const WideQuery& query_;
   float limit_ = 0;  ///< the largest `t` of any lane
 };
-
-template <int N>
-HWY_INLINE void trace_alike(const WideBvh& bvh, Packet<N>& packet, const Bundle& bundle,
-                            const WideQuery& query) {
-  const WideChild root = WideChild::inner(0);
-  if (bundle.one_origin()) {
-    PacketTrace<N, true>(bvh, packet, bundle, query).run(root);
-  } else {
-    PacketTrace<N, false>(bvh, packet, bundle, query).run(root);
-  }
-}
-
-/// Traces the lanes of `packet`, those of like signs together.
-template <int N>
-void trace_packet(const WideBvh& bvh, Packet<N>& packet, const WideQuery& query) {
-  for (unsigned alive = packet.alive().bits(); alive != 0;) {
-    const unsigned like = packet.like(std::countr_zero(alive)) & alive;
-    const Truths<N> which = truths<N>(like);
-    if (like == packet.alive().bits()) {
-      trace_alike<N>(bvh, packet, bundle_of(packet, which), query);
-      return;
-    }
-    Packet<N> part = packet;
-    part.t = select(which, packet.t, Floats<N>(-1.0f));
-    trace_alike<N>(bvh, part, bundle_of(packet, which), query);
-    packet.t = select(which, part.t, packet.t);
-    packet.u = select(which, part.u, packet.u);
-    packet.v = select(which, part.v, packet.v);
-    packet.triangle = select(which, part.triangle, packet.triangle);
-    alive &= ~like;
-  }
-}
 
 }  // namespace irt::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

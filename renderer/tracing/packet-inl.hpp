@@ -101,13 +101,13 @@ struct Packet {
     return {{(inverse.x < zero).bits(), (inverse.y < zero).bits(), (inverse.z < zero).bits()}};
   }
 
-  /// Lanes whose direction has the signs of that in `lane`.
-  HWY_INLINE unsigned like(int lane) const {
-    unsigned same = (1u << N) - 1;
-    for (const unsigned negative : negative_lanes().of) {
-      same &= (negative >> lane & 1) != 0 ? negative : ~negative;
-    }
-    return same;
+  /// Makes `hit` the nearest of `lane`.
+  HWY_INLINE void put(int lane, const Hit& hit) {
+    const Truths<N> here = truths<N>(1u << lane);
+    t = select(here, F(hit.t), t);
+    u = select(here, F(hit.u), u);
+    v = select(here, F(hit.v), v);
+    triangle = select(here, Indices<N>(hit.triangle), triangle);
   }
 };
 
