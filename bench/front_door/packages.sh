@@ -14,6 +14,7 @@ declare -A package_purpose=(
   [libtinyobjloader-dev]='reads OBJ scenes'
   [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
+  [libboost-context-dev]='fibers: the virtual cores of irt check'
   [gnuplot-nox]='draws the plots of irt report --plots'
   [chromium]='a browser, in which the page of irt report is tested'
   [libembree-dev]='Embree, which irt bench tracer compares with'
@@ -32,7 +33,8 @@ declare -A package_purpose=(
   [clang-tidy]='checks the source for known mistakes'
 )
 packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libhwloc-dev
-  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev)
+  libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev
+  libboost-context-dev)
 packages_test=("${packages_tools[@]}" libgtest-dev)
 # Other people's queues, docs/comparators.md. The first start does without.
 packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev libatomic-queue-dev

@@ -1,3 +1,4 @@
+#include <boost/context/detail/fcontext.hpp>
 #include <cstring>
 #include <cxxabi.h>
 #include <exception>
@@ -10,26 +11,11 @@
 // Memory is known by its address here.
 // NOLINTBEGIN(performance-no-int-to-ptr)
 
-// From one stack to another: saves the registers that a call preserves, leaves the stack pointer in
-// `*from`, and returns to whoever left `to` there. The floating-point modes are common to all
-// cores.
-//
-// It is a call and a return, so that the processor predicts the returns after it: those of the core
-// that it goes on with are mostly those of the core that it left. After a jump to another stack, as
-// Boost.Context makes it, all of them are mispredicted.
-extern "C" __attribute__((visibility("hidden"))) void irt_vc_switch_stacks(void** from, void* to);
-asm(".pushsection .text\n.hidden irt_vc_switch_stacks\n.globl irt_vc_switch_stacks\n"
-    ".type irt_vc_switch_stacks, @function\n"
-    "irt_vc_switch_stacks:\n"
-    "pushq %rbp\npushq %rbx\npushq %r12\npushq %r13\npushq %r14\npushq %r15\n"
-    "movq %rsp, (%rdi)\nmovq %rsi, %rsp\n"
-    "popq %r15\npopq %r14\npopq %r13\npopq %r12\npopq %rbx\npopq %rbp\nret\n.popsection");
-
 namespace irt::virtual_cores {
 
 namespace {
 
-constexpr std::size_t saved_registers = 6;
+namespace fibers = boost::context::detail;
 
 // Of a stack: what the calls between an access of the code and the next switch have there.
 constexpr std::size_t prefetched_bytes = 512;
@@ -57,7 +43,7 @@ struct ExceptionState {
 ExceptionState* exception_state = nullptr;
 
 struct alignas(64) Fiber {
-  void* stack_pointer;
+  fibers::fcontext_t context;  ///< the top of its stack
   ExceptionState exceptions;
   void (*entry)(void*);
   void* argument;
@@ -83,12 +69,14 @@ struct Cores::State {
     current_core = core;
     from.exceptions = *exception_state;
     *exception_state = to.exceptions;
-    irt_vc_switch_stacks(&from.stack_pointer, to.stack_pointer);
+    const fibers::transfer_t came_from = fibers::jump_fcontext(to.context, &from);
+    static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
   }
 
   static State* running;
 
-  static void begin() {
+  static void begin(fibers::transfer_t came_from) {
+    static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
     State& self = *running;
     const unsigned core = current_core;
     const Fiber& me = self.fibers[core];
@@ -132,11 +120,10 @@ Cores::~Cores() {
 void Cores::arm(unsigned core, void (*entry)(void*), void* argument) {
   forget_thread_locals(core);
   Fiber& fiber = state_->fibers[core];
-  // As if `begin` had been called by nobody, and switched away before its first instruction.
-  auto* const top = reinterpret_cast<std::uintptr_t*>(stack_of(core) + state_->stack_bytes);
-  top[-1] = 0;
-  top[-2] = reinterpret_cast<std::uintptr_t>(&State::begin);
-  fiber = {top - 2 - saved_registers, {}, entry, argument};
+  fiber = {nullptr, {}, entry, argument};
+  fiber.context =
+      fibers::make_fcontext(reinterpret_cast<void*>(stack_of(core) + state_->stack_bytes),
+                            state_->stack_bytes, State::begin);
 }
 
 void Cores::run(unsigned first) {
@@ -157,7 +144,7 @@ void Cores::switch_to(unsigned core) {
 }
 
 void Cores::prefetch(unsigned core) const {
-  const char* const top = static_cast<const char*>(state_->fibers[core].stack_pointer);
+  const char* const top = static_cast<const char*>(state_->fibers[core].context);
 #pragma GCC unroll 8
   for (std::size_t i = 0; i < prefetched_bytes; i += 64) __builtin_prefetch(top + i);
 }
