@@ -13,7 +13,6 @@ using virtual_cores::Value;
 
 namespace {
 
-// As virtual_cores::read_memory and write_memory; inline, for nearly all words have eight bytes.
 std::uint64_t read_word(std::uintptr_t address) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr)
   return *reinterpret_cast<const volatile std::uint64_t*>(address);
@@ -22,6 +21,7 @@ void write_word(std::uintptr_t address, std::uint64_t value) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr)
   *reinterpret_cast<volatile std::uint64_t*>(address) = value;
 }
+// As virtual_cores::read_memory and write_memory; inline, for nearly all words have eight bytes.
 Value read_memory(std::uintptr_t address, std::size_t size) {
   return size == 8 ? read_word(address) : virtual_cores::read_memory(address, size);
 }
@@ -31,13 +31,6 @@ void write_memory(std::uintptr_t address, std::size_t size, Value value) {
   } else {
     virtual_cores::write_memory(address, size, value);
   }
-}
-
-// The bytes of a line that an access uses, a bit each.
-std::uint64_t bytes_of(std::uintptr_t address, std::size_t size) {
-  const std::uint64_t mask =
-      size >= line_bytes ? ~std::uint64_t{0} : (std::uint64_t{1} << size) - 1;
-  return mask << address % line_bytes;
 }
 
 }  // namespace
@@ -99,8 +92,6 @@ void Machine::plain_read(std::uintptr_t address, std::size_t size, const void* p
     plain_read_late(me, address, size, pc);
     return;
   }
-  ++counts_.accesses;
-  line->read |= bytes_of(address, size);
   me.clock += me.costs->plain_op;
 }
 
@@ -130,8 +121,6 @@ Value Machine::load(const Access& access) {
     line = at_hand(me, access.address, 8, false);
   if (line == nullptr) return load_late(access);
   ++loop.age;
-  ++counts_.accesses;
-  line->read |= bytes_of(access.address, 8);
   me.clock += me.costs->load_hit;
   return read_word(access.address);
 }
@@ -184,8 +173,6 @@ Value Machine::modify(const Access& access, Operation operation, Value operand) 
   Thread& me = *me_;
   Line* line = access.size == 8 ? at_hand(me, access.address, 8, true) : nullptr;
   if (line == nullptr) return modify_late(access, operation, operand);
-  ++counts_.accesses;
-  line->written |= bytes_of(access.address, 8);
   const std::uint64_t before = read_word(access.address);
   const std::uint64_t after =
       virtual_cores::apply(operation, before, static_cast<std::uint64_t>(operand), 8);
@@ -211,8 +198,6 @@ bool Machine::compare_exchange(const Access& access, Order failure, bool weak, V
   Thread& me = *me_;
   Line* line = access.size == 8 ? at_hand(me, access.address, 8, true) : nullptr;
   if (line == nullptr) return compare_exchange_late(access, expected, desired);
-  ++counts_.accesses;
-  line->written |= bytes_of(access.address, 8);
   const std::uint64_t before = read_word(access.address);
   const bool equal = before == expected;
   if (equal) write_word(access.address, static_cast<std::uint64_t>(desired));
@@ -346,9 +331,7 @@ void Machine::plain_write(std::uintptr_t address, std::size_t size, const void* 
     plain_write_late(me, address, size, pc);
     return;
   }
-  ++counts_.accesses;
   ++me.changes;
-  line->written |= bytes_of(address, size);
   me.clock += me.costs->plain_op;
 }
 

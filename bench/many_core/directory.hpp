@@ -40,6 +40,13 @@ struct Site {
 
 struct Watch;
 
+/// The bytes of a line that an access uses, a bit each. What lies past the line is left out.
+inline std::uint64_t bytes_of(std::uintptr_t address, std::size_t size) {
+  const std::uint64_t mask =
+      size >= line_bytes ? ~std::uint64_t{0} : (std::uint64_t{1} << size) - 1;
+  return mask << address % line_bytes;
+}
+
 /// What a hit uses comes first and lies together.
 struct alignas(line_bytes) Line {
   std::uint64_t number = 0;  ///< address / 64

@@ -209,14 +209,18 @@ class Machine final : public virtual_cores::Tenant {
   }
   // What nearly all accesses to private data are: the line of these bytes, if the thread may use
   // them at once, for it holds the line, its stores are done, nothing happens before its next step,
-  // and it is in no loop. Else null, and the slower way is taken (the functions named `late`).
-  Line* at_hand(const Thread& me, std::uintptr_t address, std::size_t size, bool to_write) const {
+  // and it is in no loop. The access is counted. Else null, nothing is counted, and the slower way
+  // is taken (the functions named `late`).
+  Line* at_hand(const Thread& me, std::uintptr_t address, std::size_t size, bool to_write) {
     Line* line = directory_.find(address / line_bytes);
     if (line == nullptr || !timed_ || me.loop.rounds != 0) return nullptr;
     if (!me.stores.empty() || me.clock < me.committed) return nullptr;
     if (line->owner != me.core && (to_write || !line->sharers.has(me.core))) return nullptr;
     if (address % line_bytes + size > line_bytes) return nullptr;
-    return is_next(me, ahead_of(me, *line)) ? line : nullptr;
+    if (!is_next(me, ahead_of(me, *line))) return nullptr;
+    ++counts_.accesses;
+    (to_write ? line->written : line->read) |= bytes_of(address, size);
+    return line;
   }
   void fetch(Thread& me, Line& line, Want want, const void* pc, std::uint64_t bytes);
   Line& own(Thread& me, const virtual_cores::Access& access, bool arithmetic);

@@ -47,7 +47,7 @@ class StoreBuffer {
 
  private:
   std::uint32_t first_ = 0, count_ = 0;
-  std::vector<PostedStore> stores_{std::vector<PostedStore>(places)};
+  std::vector<PostedStore> stores_ = std::vector<PostedStore>(places);
 };
 
 /// What a thread remembers to notice that it goes round in circles.

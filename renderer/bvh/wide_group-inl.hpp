@@ -181,18 +181,14 @@ class SortedRays {
 
   /// Adds those of the lanes `living` of packet number `k`.
   void add(int k, const Packet<N>& packet, unsigned living, const SignLanes& negative) {
-    alignas(64) float lanes[fields][N];
-    const VecOf<F>&o = packet.line.origin, &d = packet.line.direction, &i = packet.inverse;
-    const F* const values[fields] = {&o.x, &o.y, &o.z, &d.x, &d.y,
-                                     &d.z, &i.x, &i.y, &i.z, &packet.line.end};
-    for (int field = 0; field < fields; ++field) values[field]->store(lanes[field]);
+    alignas(64) float lanes[rows][N];
+    packet.store_rays(lanes);
     for (; living != 0; living &= living - 1) {
       const int lane = std::countr_zero(living);
       const unsigned signs = (negative.of[0] >> lane & 1) | (negative.of[1] >> lane & 1) << 1 |
                              (negative.of[2] >> lane & 1) << 2;
       OfSigns& rays = of_[signs];
-      for (int field = 0; field < fields; ++field)
-        rays.value[field][rays.count] = lanes[field][lane];
+      for (int row = 0; row < rows; ++row) rays.value[row][rays.count] = lanes[row][lane];
       rays.from[rays.count++] = static_cast<std::uint16_t>(k * N + lane);
     }
   }
@@ -214,19 +210,19 @@ class SortedRays {
   }
 
  private:
-  static constexpr int fields = 10;
+  static constexpr int rows = Packet<N>::ray_rows;
   static constexpr std::uint32_t most = most_in_group * N;
   struct OfSigns {
     std::uint32_t count;
     std::uint16_t from[most];  ///< packet times N plus lane
-    alignas(64) float value[fields][most];
+    alignas(64) float value[rows][most];
   };
 
   static void load(OfSigns& rays, std::uint32_t first, Packet<N>& packet) {
     for (std::uint32_t i = rays.count; i < first + N; ++i) {
       for (auto& row : rays.value) row[i] = 1;
     }
-    const auto row = [&](int field) HWY_ATTR { return F::load(rays.value[field] + first); };
+    const auto row = [&](int i) HWY_ATTR { return F::load(rays.value[i] + first); };
     packet.line = {{row(0), row(1), row(2)}, {row(3), row(4), row(5)}, row(9)};
     packet.inverse = {row(6), row(7), row(8)};
     const std::uint32_t left = std::min<std::uint32_t>(rays.count - first, N);

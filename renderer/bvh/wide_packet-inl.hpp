@@ -198,14 +198,10 @@ class PacketTrace {
 
   /// The lanes of `which` below `child`, each on its own.
   void singly(WideChild child, unsigned which) {
-    alignas(64) float lanes[11][N];
+    alignas(64) float lanes[Packet<N>::ray_rows][N], t[N];
     alignas(64) std::uint32_t triangles[N];
-    const VecOf<F>&origin = packet_.line.origin, &direction = packet_.line.direction,
-          &inverse = packet_.inverse;
-    const F* const values[] = {&origin.x,    &origin.y,    &origin.z,        &direction.x,
-                               &direction.y, &direction.z, &inverse.x,       &inverse.y,
-                               &inverse.z,   &packet_.t,   &packet_.line.end};
-    for (int i = 0; i < 11; ++i) values[i]->store(lanes[i]);
+    packet_.store_rays(lanes);
+    packet_.t.store(t);
     packet_.triangle.store(triangles);
     bool changed = false;
     for (; which != 0; which &= which - 1) {
@@ -214,8 +210,8 @@ class PacketTrace {
       ray.origin = {lanes[0][lane], lanes[1][lane], lanes[2][lane]};
       ray.direction = {lanes[3][lane], lanes[4][lane], lanes[5][lane]};
       ray.inverse = {lanes[6][lane], lanes[7][lane], lanes[8][lane]};
-      ray.limit = lanes[10][lane];
-      const Hit before{lanes[9][lane], 0, 0, triangles[lane]};
+      ray.limit = lanes[9][lane];
+      const Hit before{t[lane], 0, 0, triangles[lane]};
       Hit best = before;
       query_.code->single[query_.any](bvh_, ray, {child, 0}, query_.probe, best);
       if (best.t == before.t && best.triangle == before.triangle) continue;

@@ -2,6 +2,9 @@
 /// picture is read.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -147,7 +150,8 @@ class PrivateSumsFrameBuffer final : public ExactFrameBuffer {
     }
   }
 
-  /// Calls `body` with the sums of every thread that has added to a strip. No add runs meanwhile.
+  /// Calls `body` with the sums of every thread that has added to a strip. No add runs meanwhile:
+  /// the barrier that ends the frame orders every exchange before the relaxed load.
   template <class Body>
   void for_each_in(std::uint32_t which, Body body) const {
     for (std::uint32_t next = strips_[which].load(std::memory_order_relaxed); next != 0;) {

@@ -90,6 +90,14 @@ struct Packet {
     triangle = Indices<N>(no_triangle);
   }
 
+  /// Stores what makes the rays, row by row: origin, direction, inverse, end.
+  static constexpr int ray_rows = 10;
+  HWY_INLINE void store_rays(float (&rows)[ray_rows][N]) const {
+    const VecOf<F>&o = line.origin, &d = line.direction, &i = inverse;
+    const F* const values[] = {&o.x, &o.y, &o.z, &d.x, &d.y, &d.z, &i.x, &i.y, &i.z, &line.end};
+    for (int row = 0; row < ray_rows; ++row) values[row]->store(rows[row]);
+  }
+
   /// The lanes that have met a triangle.
   HWY_INLINE Truths<N> met() const { return triangle != Indices<N>(no_triangle); }
 
