@@ -47,6 +47,7 @@ struct alignas(64) Fiber {
   ExceptionState exceptions;
   void (*entry)(void*);
   void* argument;
+  bool fresh;  ///< was never switched to
 };
 
 }  // namespace
@@ -69,14 +70,25 @@ struct Cores::State {
     current_core = core;
     from.exceptions = *exception_state;
     *exception_state = to.exceptions;
-    const fibers::transfer_t came_from = fibers::jump_fcontext(to.context, &from);
+    if (to.fresh) {
+      to.fresh = false;
+      arrive(fibers::jump_fcontext(to.context, &from));
+    } else {
+      fibers::ontop_fcontext(to.context, &from, arrive);
+    }
+  }
+
+  // Runs on the fiber that was switched to, and returns to where that one left off. So each switch
+  // is a call and a return to the processor, which then predicts the fiber's other returns too.
+  static fibers::transfer_t arrive(fibers::transfer_t came_from) {
     static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
+    return came_from;
   }
 
   static State* running;
 
   static void begin(fibers::transfer_t came_from) {
-    static_cast<Fiber*>(came_from.data)->context = came_from.fctx;
+    arrive(came_from);
     State& self = *running;
     const unsigned core = current_core;
     const Fiber& me = self.fibers[core];
@@ -120,7 +132,7 @@ Cores::~Cores() {
 void Cores::arm(unsigned core, void (*entry)(void*), void* argument) {
   forget_thread_locals(core);
   Fiber& fiber = state_->fibers[core];
-  fiber = {nullptr, {}, entry, argument};
+  fiber = {nullptr, {}, entry, argument, true};
   fiber.context =
       fibers::make_fcontext(reinterpret_cast<void*>(stack_of(core) + state_->stack_bytes),
                             state_->stack_bytes, State::begin);
