@@ -20,7 +20,7 @@ void Waiting::add(Request& request, unsigned socket, Time busy_until) {
 
 void Waiting::arrive(Request& request, unsigned socket) {
   ++arrived_;
-  if (served_.has(request.core)) {
+  if (in_turn_ && served_.has(request.core)) {
     sockets_[socket].served.push_back(&request);
   } else {
     sockets_[socket].due.push_back(&request);

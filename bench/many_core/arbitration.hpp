@@ -50,7 +50,8 @@ struct Request {
 /// The requests that wait at one line.
 class Waiting {
  public:
-  explicit Waiting(unsigned sockets) : sockets_(sockets) {}
+  /// With `in_turn` nobody is served twice in a round.
+  Waiting(unsigned sockets, bool in_turn) : sockets_(sockets), in_turn_(in_turn) {}
 
   unsigned count() const { return count_; }
 
@@ -79,6 +80,7 @@ class Waiting {
   void begin_round();
 
   std::vector<Socket> sockets_;
+  bool in_turn_;
   std::vector<OnItsWay> under_way_;  // by arrival
   CoreSet served_;                   // in this round
   unsigned count_ = 0, arrived_ = 0, due_ = 0;

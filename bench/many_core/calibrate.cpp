@@ -342,6 +342,7 @@ Calibration calibrate(const std::string& name, const std::string& date) {
   author.assume("overlap", 0.1, 0.1, 0.5, "trial of the model");
   author.assume("read_occupancy", 18, 4, 25,
                 "trial of the model; needs more cores than were tried");
+  author.assume("turns", 0, 0, 1, "as on meshes; needs more cores than were tried");
   if (profile.threads() < 2) {
     author.assume("conflict", 20, 0, 35, "there is one core");
     calibration.remarks.push_back(
@@ -354,8 +355,8 @@ Calibration calibrate(const std::string& name, const std::string& date) {
   write_residence(author, profile, places);
   write_wake(author, places, calibration);
   calibration.remarks.push_back(
-      "assumed, not measured: overlap, read_occupancy, what an invalidation adds, bypass, far "
-      "atomics, futex_wait, quantum" +
+      "assumed, not measured: overlap, read_occupancy, what an invalidation adds, bypass, turns, "
+      "far atomics, futex_wait, quantum" +
       std::string(profile.smt > 1 ? ", smt_slowdown" : ""));
   return calibration;
 }

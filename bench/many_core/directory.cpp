@@ -17,6 +17,7 @@ Directory::Directory(const Profile& p, EventQueue& events, std::uint64_t seed)
       rmw_(picoseconds(p.rmw_hit)),
       store_(picoseconds(p.store_hit)),
       bypass_(static_cast<unsigned>(std::lround(p.bypass))),
+      in_turn_(p.turns >= 0.5),
       bus_free_(p.sockets),
       random_(seed),
       slots_(std::size_t{1} << 12U),
@@ -77,7 +78,7 @@ void Directory::send(Line& line, Request& request, Time now) {
   request.arrival = std::max(request.issued + vary<10>(request_way), now);
   if (line.waiting == nullptr) {
     if (unused_.empty())
-      unused_.push_back(&waitings_.emplace_back(static_cast<unsigned>(bus_free_.size())));
+      unused_.push_back(&waitings_.emplace_back(static_cast<unsigned>(bus_free_.size()), in_turn_));
     line.waiting = unused_.back();
     unused_.pop_back();
   }

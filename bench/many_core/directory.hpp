@@ -147,6 +147,7 @@ class Directory {
   Way from_memory_;
   Time conflict_, residence_, read_occupancy_, per_sharer_, far_, bus_, rmw_, store_;
   unsigned bypass_;
+  bool in_turn_;
   std::vector<Time> bus_free_;
   Random random_;
   std::vector<Slot> slots_;

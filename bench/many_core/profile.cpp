@@ -99,6 +99,11 @@ constexpr std::array rows{
     Row{{"bypass", "requests of the owner's socket that may overtake", 0, 64, IRT_MEMBER(bypass)},
         0,
         "assumed: first come, first served"},
+    Row{{"turns", "1: all that wait are served before one is again; 0: any of them is next", 0, 1,
+         IRT_MEMBER(turns)},
+        1,
+        "wtarreau/atomic-tests, i7-8650U (ring): of load and compare-and-swap by 8 threads 14 % "
+        "succeed; in turn 14 %, drawn 25 %"},
     Row{{"far_atomic", "period of a read-modify-write at the home; 0: none", 0, longest,
          IRT_MEMBER(far_atomic)},
         0,

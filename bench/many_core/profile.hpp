@@ -78,6 +78,7 @@ struct Profile {
   double read_occupancy = 0;  ///< how long a read keeps the line's home busy
   double invalidate_per_sharer = 0;
   double bypass = 0;         ///< requests of the owner's socket that may overtake another socket's
+  double turns = 1;          ///< 1: of those that wait all are served before one is again; 0: any
   double far_atomic = 0;     ///< period of a read-modify-write done at the home; 0: in the core
   double bus_occupancy = 0;  ///< how long a transfer keeps its socket's front-side bus; 0: no bus
 

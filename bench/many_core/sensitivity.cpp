@@ -26,7 +26,7 @@ struct Variant {
 
 // The usual ranges, where the profile does not give one of its own:
 // transfers by a quarter, the share of a transfer that overlaps, what a conflict and a read cost,
-// how long an owner has a line, who may overtake, and how long waking takes.
+// how long an owner has a line, who may overtake, who is next, and how long waking takes.
 std::vector<Variant> variants_of(const Profile& base) {
   std::vector<Variant> all{{"", base}};
   for (const double scale : {0.75, 1.25}) {
@@ -42,7 +42,7 @@ std::vector<Variant> variants_of(const Profile& base) {
        {Range{"overlap", &Profile::overlap, 0.1, 0.5}, Range{"conflict", &Profile::conflict, 0, 35},
         Range{"residence", &Profile::residence, 0, 20},
         Range{"read_occupancy", &Profile::read_occupancy, 5, 25},
-        Range{"bypass", &Profile::bypass, 0, 8},
+        Range{"bypass", &Profile::bypass, 0, 8}, Range{"turns", &Profile::turns, 0, 1},
         Range{"kernel.wake_latency", &Profile::wake_latency, 2000, 6000}}) {
     const auto origin = base.origins.find(name);
     const bool given = origin != base.origins.end() && origin->second.low < origin->second.high;
@@ -113,7 +113,7 @@ int sensitivity(const SweepOptions& options, const std::atomic<bool>& interrupte
   Json conclusions = Json::array();
   fmt::print(
       "simulated; each conclusion over the ranges of transfer, overlap, conflict, residence, "
-      "read_occupancy, bypass and wake_latency\n");
+      "read_occupancy, bypass, turns and wake_latency\n");
   for (const Variant& base : variants) {
     if (!base.name.empty()) continue;
     for (const unsigned threads : options.cores) {
