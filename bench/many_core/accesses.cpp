@@ -55,11 +55,12 @@ Line& Machine::new_line(const Thread& me, std::uintptr_t address) {
 }
 
 // Asks for the line and waits until it is there.
-void Machine::fetch(Thread& me, Line& line, Want want, const void* pc, std::uint64_t bytes) {
+inline void Machine::fetch(Thread& me, Line& line, Want want, const void* pc, std::uint64_t bytes) {
   ++me.changes;
   me.request = {.issued = me.clock,
                 .pc = pc,
                 .bytes = bytes,
+                .takes = me.costs->rmw_hit,
                 .thread = me.number,
                 .core = me.core,
                 .want = want};
@@ -170,25 +171,22 @@ Line& Machine::own(Thread& me, const Access& access, bool arithmetic) {
 }
 
 Value Machine::modify(const Access& access, Operation operation, Value operand) {
-  Thread& me = *me_;
-  Line* line = access.size == 8 ? at_hand(me, access.address, 8, true) : nullptr;
-  if (line == nullptr) return modify_late(access, operation, operand);
-  const std::uint64_t before = read_word(access.address);
-  const std::uint64_t after =
-      virtual_cores::apply(operation, before, static_cast<std::uint64_t>(operand), 8);
-  write_word(access.address, after);
-  finish_update(me, *line, before != after);
-  return before;
-}
-
-Value Machine::modify_late(const Access& access, Operation operation, Value operand) {
   if (!timed_) return Tenant::modify(access, operation, operand);
   Thread& me = *me_;
-  Line& line = own(me, access, true);
+  Line* line = at_hand(me, access.address, access.size, true);
+  if (line == nullptr) line = &own(me, access, true);
+  if (access.size == 8) {
+    const std::uint64_t before = read_word(access.address);
+    const std::uint64_t after =
+        virtual_cores::apply(operation, before, static_cast<std::uint64_t>(operand), 8);
+    write_word(access.address, after);
+    finish_update(me, *line, before != after);
+    return before;
+  }
   const Value before = read_memory(access.address, access.size);
   const Value after = virtual_cores::apply(operation, before, operand, access.size);
   write_memory(access.address, access.size, after);
-  finish_update(me, line, before != after);
+  finish_update(me, *line, before != after);
   return before;
 }
 
@@ -196,25 +194,13 @@ bool Machine::compare_exchange(const Access& access, Order failure, bool weak, V
                                Value desired) {
   if (!timed_) return Tenant::compare_exchange(access, failure, weak, expected, desired);
   Thread& me = *me_;
-  Line* line = access.size == 8 ? at_hand(me, access.address, 8, true) : nullptr;
-  if (line == nullptr) return compare_exchange_late(access, expected, desired);
-  const std::uint64_t before = read_word(access.address);
-  const bool equal = before == expected;
-  if (equal) write_word(access.address, static_cast<std::uint64_t>(desired));
-  ++(equal ? counts_.swaps : counts_.failed_swaps);
-  finish_update(me, *line, equal && before != desired);
-  expected = before;
-  return equal;
-}
-
-bool Machine::compare_exchange_late(const Access& access, Value& expected, Value desired) {
-  Thread& me = *me_;
-  Line& line = own(me, access, false);
+  Line* line = at_hand(me, access.address, access.size, true);
+  if (line == nullptr) line = &own(me, access, false);
   const Value before = read_memory(access.address, access.size);
   const bool equal = before == expected;
   if (equal) write_memory(access.address, access.size, desired);
   ++(equal ? counts_.swaps : counts_.failed_swaps);
-  finish_update(me, line, equal && before != desired);
+  finish_update(me, *line, equal && before != desired);
   expected = before;
   return equal;
 }
@@ -235,6 +221,7 @@ void Machine::issue_store(Thread& me, Time now) {
   me.store_request = {.issued = store.issued,
                       .pc = store.pc,
                       .bytes = store.bytes,
+                      .takes = alone_.store_hit,
                       .thread = me.number,
                       .core = me.core,
                       .want = Want::ownership,
@@ -278,8 +265,7 @@ void Machine::commit_store(Thread& me, Line& line, Time done) {
   }
 }
 
-void Machine::drain(Thread& me) {
-  if (me.stores.empty() && me.clock >= me.committed) return;
+void Machine::wait_for_stores(Thread& me) {
   const Time since = me.clock;
   if (!me.stores.empty()) {
     me.draining = true;

@@ -2,15 +2,7 @@
 
 namespace irt::many_core {
 
-void Waiting::add(Request& request, unsigned socket, Time busy_until) {
-  if (count_++ == 0) {
-    served_.clear();
-    bypassed_ = 0;
-  }
-  if (request.arrival <= busy_until) {
-    arrive(request, socket);
-    return;
-  }
+void Waiting::set_out(Request& request, unsigned socket) {
   std::size_t at = under_way_.size();
   under_way_.push_back({&request, socket});
   for (; at > 0 && under_way_[at - 1].request->arrival > request.arrival; --at)
@@ -18,18 +10,7 @@ void Waiting::add(Request& request, unsigned socket, Time busy_until) {
   under_way_[at] = {&request, socket};
 }
 
-void Waiting::arrive(Request& request, unsigned socket) {
-  ++arrived_;
-  if (in_turn_ && served_.has(request.core)) {
-    sockets_[socket].served.push_back(&request);
-  } else {
-    sockets_[socket].due.push_back(&request);
-    ++due_;
-  }
-}
-
 void Waiting::admit(Time now) {
-  if (under_way_.empty()) return;
   std::size_t there = 0;
   while (there < under_way_.size() && under_way_[there].request->arrival <= now) {
     arrive(*under_way_[there].request, under_way_[there].socket);
@@ -52,7 +33,7 @@ Request& Waiting::take(Time now, unsigned near, unsigned bypass, Random& random)
     under_way_.clear();
     return request;
   }
-  admit(now);
+  if (!under_way_.empty()) admit(now);
   if (due_ == 0) begin_round();
   Socket* from = near == nobody ? nullptr : &sockets_[near];
   const bool rivals = from != nullptr && !from->due.empty() && from->due.size() < due_;

@@ -41,6 +41,7 @@ struct Request {
   Time arrival = 0;  ///< at the line
   const void* pc = nullptr;
   std::uint64_t bytes = 0;  ///< of the line, that it wants to use
+  Time takes = 0;           ///< the operation itself, at its core
   std::uint32_t thread = 0;
   std::uint32_t core = 0;
   Want want = Want::copy;
@@ -56,7 +57,17 @@ class Waiting {
   unsigned count() const { return count_; }
 
   /// `request` must live until it is taken. Nobody is taken before `busy_until`.
-  void add(Request& request, unsigned socket, Time busy_until);
+  void add(Request& request, unsigned socket, Time busy_until) {
+    if (count_++ == 0) {
+      served_.clear();
+      bypassed_ = 0;
+    }
+    if (request.arrival <= busy_until) {
+      arrive(request, socket);
+    } else {
+      set_out(request, socket);
+    }
+  }
 
   /// The earliest moment when somebody is there; there must be a request.
   Time earliest() const { return arrived_ != 0 ? 0 : under_way_.front().request->arrival; }
@@ -75,7 +86,16 @@ class Waiting {
     unsigned socket;
   };
 
-  void arrive(Request& request, unsigned socket);
+  void arrive(Request& request, unsigned socket) {
+    ++arrived_;
+    if (in_turn_ && served_.has(request.core)) {
+      sockets_[socket].served.push_back(&request);
+    } else {
+      sockets_[socket].due.push_back(&request);
+      ++due_;
+    }
+  }
+  void set_out(Request& request, unsigned socket);
   void admit(Time now);
   void begin_round();
 

@@ -14,8 +14,6 @@ Directory::Directory(const Profile& p, EventQueue& events, std::uint64_t seed)
       per_sharer_(picoseconds(p.invalidate_per_sharer)),
       far_(picoseconds(p.far_atomic)),
       bus_(picoseconds(p.bus_occupancy)),
-      rmw_(picoseconds(p.rmw_hit)),
-      store_(picoseconds(p.store_hit)),
       bypass_(static_cast<unsigned>(std::lround(p.bypass))),
       in_turn_(p.turns >= 0.5),
       bus_free_(p.sockets),
@@ -61,18 +59,6 @@ void Directory::grow() {
   }
 }
 
-const Directory::Way& Directory::way(unsigned from, unsigned to, unsigned home, bool clean) const {
-  const bool remote = home != topology_.socket(to);
-  return ways_[(remote ? 2U : 0U) + (clean ? 1U : 0U)]
-              [static_cast<std::size_t>(topology_.distance(from, to))];
-}
-
-// What `core` pays for the line where it is now.
-const Directory::Way& Directory::way_to(const Line& line, unsigned core) const {
-  if (line.owner != nobody) return way(line.owner, core, line.home, false);
-  return line.last == nobody ? from_memory_ : way(line.last, core, line.home, true);
-}
-
 void Directory::send(Line& line, Request& request, Time now) {
   const Time request_way = line.owner == request.core ? 0 : way_to(line, request.core).request;
   request.arrival = std::max(request.issued + vary<10>(request_way), now);
@@ -91,17 +77,6 @@ void Directory::send(Line& line, Request& request, Time now) {
   }
 }
 
-// The request whose turn it is.
-Request& Directory::take(Line& line, Time now) {
-  const unsigned near = line.last == nobody ? nobody : topology_.socket(line.last);
-  Request& request = line.waiting->take(now, near, bypass_, random_);
-  if (line.waiting->count() == 0) {
-    unused_.push_back(line.waiting);
-    line.waiting = nullptr;
-  }
-  return request;
-}
-
 // A transfer that leaves its cache takes the front-side bus of both sockets, one after the other
 // transfers there. Returns when it may start.
 Time Directory::pass_bus(const Line& line, const Request& request, Time start) {
@@ -116,7 +91,7 @@ Time Directory::pass_bus(const Line& line, const Request& request, Time start) {
 }
 
 // Statistics of a transfer. It is false sharing where nothing that made it necessary is wanted.
-void Directory::note(Line& line, const Request& request, Time done) {
+inline void Directory::note(Line& line, const Request& request, Time done) {
   ++line.transfers;
   const bool writes = request.want != Want::copy;
   const std::uint64_t theirs = writes ? line.written | line.read : line.written;
@@ -132,9 +107,14 @@ void Directory::note(Line& line, const Request& request, Time done) {
 }
 
 Directory::Served Directory::serve(Line& line, Time now) {
-  Request& request = take(line, now);
+  const unsigned near = line.last == nobody ? nobody : topology_.socket(line.last);
+  Request& request = line.waiting->take(now, near, bypass_, random_);
   const unsigned core = request.core;
-  const bool contended = line.waiting != nullptr;
+  const bool contended = line.waiting->count() != 0;
+  if (!contended) {
+    unused_.push_back(line.waiting);
+    line.waiting = nullptr;
+  }
   Time done = now;
   const bool moves = line.owner != core && !(request.want == Want::copy && line.sharers.has(core));
   if (moves) {
@@ -177,7 +157,7 @@ Directory::Served Directory::serve(Line& line, Time now) {
       done = std::max(done, line.read_done);
       line.drop_sharers();
       line.owner = line.last = core;
-      line.available = done + std::max(vary<2>(residence_), request.posted ? store_ : rmw_);
+      line.available = done + std::max(vary<2>(residence_), request.takes);
       break;
     case Want::far:
       // The operation is done at the home as soon as the owner has given the line up; the answer

@@ -134,18 +134,25 @@ class Directory {
   Time vary(Time time) {
     return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) / (1024 * share);
   }
-  const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const;
-  const Way& way_to(const Line& line, unsigned core) const;
+  const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const {
+    const bool remote = home != topology_.socket(to);
+    return ways_[(remote ? 2U : 0U) + (clean ? 1U : 0U)]
+                [static_cast<std::size_t>(topology_.distance(from, to))];
+  }
+  // What `core` pays for the line where it is now.
+  const Way& way_to(const Line& line, unsigned core) const {
+    if (line.owner != nobody) return way(line.owner, core, line.home, false);
+    return line.last == nobody ? from_memory_ : way(line.last, core, line.home, true);
+  }
   Time pass_bus(const Line& line, const Request& request, Time start);
-  void note(Line& line, const Request& request, Time done);
-  Request& take(Line& line, Time now);
+  static void note(Line& line, const Request& request, Time done);
 
   Topology topology_;
   EventQueue& events_;
   // By distance: of a line with an owner, of a clean copy; the same with the home elsewhere.
   std::array<std::array<Way, distances>, 4> ways_{};
   Way from_memory_;
-  Time conflict_, residence_, read_occupancy_, per_sharer_, far_, bus_, rmw_, store_;
+  Time conflict_, residence_, read_occupancy_, per_sharer_, far_, bus_;
   unsigned bypass_;
   bool in_turn_;
   std::vector<Time> bus_free_;

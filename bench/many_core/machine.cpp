@@ -94,6 +94,7 @@ Ending Machine::run(Time count_from, Time until, std::function<void(unsigned)> b
   count_from_ = count_from;
   until_ = until;
   limit_ = until + patience;
+  mark_ = count_from;
   ending_ = {};
   left_ = static_cast<unsigned>(threads_.size());
   for (Thread& thread : threads_) {
@@ -119,10 +120,7 @@ Ending Machine::run(Time count_from, Time until, std::function<void(unsigned)> b
 // Handles what happens to lines until something happens to a thread: returns that one.
 unsigned Machine::next_thread() {
   while (!events_.empty()) {
-    Event& event = events_.pop();
-    ++events_taken_;
-    if (event.time > until_ && ++events_after_ > patience_events) end_late(event.time);
-    if (!counting_ && event.time >= count_from_) start_counting();
+    Event& event = next_event();
     if (event.line != nullptr) {
       const unsigned next = serve(*event.line, event.time, never);
       if (next != host) return next;
@@ -144,24 +142,19 @@ unsigned Machine::next_thread() {
   return host;
 }
 
-// The current thread has nothing to do until its event.
-void Machine::go_on() {
-  cores_.switch_to(going_on(next_thread()));
-}
-
 // What happens before the thread's next step happens first. Lines need no other fiber for it.
 void Machine::let_others(Thread& me, Time ahead) {
-  while (me.clock - ahead >= events_.front_time() && events_.front().line != nullptr &&
-         events_.front_time() <= until_ && counting_) {
-    Event& event = events_.pop();
-    ++events_taken_;
-    const unsigned next = serve(*event.line, event.time, me.clock - ahead);
-    if (next == host) continue;
-    events_.push(me.event, me.clock);
-    cores_.switch_to(going_on(next));
-    return;
+  const Time limit = me.clock - ahead;
+  while (events_.front_time() < mark_ && events_.front().line != nullptr) {
+    const Event& event = next_event();
+    const unsigned next = serve(*event.line, event.time, limit);
+    if (next != host) {
+      events_.push(me.event, me.clock);
+      cores_.switch_to(going_on(next));
+      return;
+    }
+    if (limit < events_.front_time()) return;
   }
-  if (me.clock - ahead < events_.front_time()) return;
   events_.push(me.event, me.clock);
   go_on();
 }
@@ -193,6 +186,13 @@ unsigned Machine::serve(Line& line, Time now, Time limit) {
   ++events_taken_;
   thread.clock = done;
   return thread.number;
+}
+
+// A moment to note has come, or lies behind: counting begins, or time is up.
+void Machine::pass_mark(Time time) {
+  if (!counting_) start_counting();
+  mark_ = until_ + 1;
+  if (time > until_ && ++events_after_ > patience_events) end_late(time);
 }
 
 void Machine::start_counting() {

@@ -175,9 +175,18 @@ class Machine final : public virtual_cores::Tenant {
     if (thread != virtual_cores::host) me_ = &threads_[thread];
     return thread;
   }
+  // Takes the next event. There must be one.
+  Event& next_event() {
+    Event& event = events_.pop();
+    ++events_taken_;
+    if (event.time >= mark_) pass_mark(event.time);
+    return event;
+  }
+  void pass_mark(Time time);
   unsigned next_thread();
   unsigned serve(Line& line, Time now, Time limit);
-  void go_on();
+  // The current thread has nothing to do until its event.
+  void go_on() { cores_.switch_to(going_on(next_thread())); }
   [[noreturn]] void end(Ending::Kind kind, const std::string& message);
   [[noreturn]] void end_late(Time time);
   void reach_deadline(Thread& me);
@@ -230,11 +239,6 @@ class Machine final : public virtual_cores::Tenant {
     me.clock += me.costs->rmw_hit;
     line.available = std::max(line.available, me.clock);
   }
-  virtual_cores::Value modify_late(const virtual_cores::Access& access,
-                                   virtual_cores::Operation operation,
-                                   virtual_cores::Value operand);
-  bool compare_exchange_late(const virtual_cores::Access& access, virtual_cores::Value& expected,
-                             virtual_cores::Value desired);
   virtual_cores::Value load_late(const virtual_cores::Access& access);
   void plain_read_late(Thread& me, std::uintptr_t address, std::size_t size, const void* pc);
   void plain_write_late(Thread& me, std::uintptr_t address, std::size_t size, const void* pc);
@@ -243,7 +247,10 @@ class Machine final : public virtual_cores::Tenant {
             const virtual_cores::Value* value);
   void issue_store(Thread& me, Time now);
   void commit_store(Thread& me, Line& line, Time done);
-  void drain(Thread& me);
+  void drain(Thread& me) {
+    if (!me.stores.empty() || me.clock < me.committed) wait_for_stores(me);
+  }
+  void wait_for_stores(Thread& me);
 
   // Loops that wait (loops.cpp).
   void check_loop(Thread& me, const virtual_cores::Access& access) {
@@ -288,6 +295,7 @@ class Machine final : public virtual_cores::Tenant {
   bool timed_ = false;
   unsigned left_ = 0;  // threads that have not returned
   Time count_from_ = 0, until_ = 0, limit_ = 0;
+  Time mark_ = 0;  // when the next of them passes: the first event from then on notes it
   bool counting_ = false;
   Counts counts_;
   std::uint64_t events_taken_ = 0, events_after_ = 0;
