@@ -1,21 +1,23 @@
 /// Who gets a line next, of those who wait for it.
 ///
-/// Requests are served in rounds. In a round every core that waits is served once, in an order that
-/// is drawn from the seed: each of those that have arrived and were not served yet in this round is
-/// as likely as any other. When all who wait have had their turn, or nobody waits, a new round
-/// begins. So of n cores that wait all the time nobody waits for more than 2 (n - 1) others, no
-/// order repeats itself, and of compare-and-swaps that have all seen the same value exactly one
-/// succeeds in a round.
+/// Each of those that have arrived is as likely to be the next as any other; drawn from the seed.
 ///
-/// Distance: while cores of the socket that had the line last and cores of another socket have
-/// their turns to come, the former are preferred, `bypass` times in a row; then, and when a round
-/// begins, the next is drawn from all.
+/// In turn (`turns` of the profile): requests are served in rounds, and in a round every core that
+/// waits is served once; it is drawn from those that were not served yet. When all who wait have
+/// had their turn, or nobody waits, a new round begins. So of n cores that wait all the time nobody
+/// waits for more than 2 (n - 1) others, and of compare-and-swaps that have all seen the same value
+/// exactly one succeeds in a round.
 ///
-/// What it stands for: agents that take requests from several inputs in turn and promise each its
-/// turn, while who is where in that turn depends on paths and retries that nobody sees. That
-/// schedules of real machines look random to a lock-free loop, and treat cores alike in the long
-/// run, is measured in Alistarh, Censor-Hillel, Shavit, "Are Lock-Free Concurrent Algorithms
-/// Practically Wait-Free?" (2014). Strict order of arrival is not used, for it locks into step:
+/// Distance: while cores of the socket that had the line last and cores of another socket may be
+/// next, the former are preferred, `bypass` times in a row; then, and when a round begins, the next
+/// is drawn from all.
+///
+/// What it stands for: a home that turns away what meets a request for the same address, to be
+/// tried again (Intel's uncore manuals count such rejects), so that who comes through depends on
+/// paths and retries that nobody sees. That schedules of real machines look random to a lock-free
+/// loop is what Alistarh, Censor-Hillel and Shavit rest on in "Are Lock-Free Concurrent Algorithms
+/// Practically Wait-Free?" (2014). A client's ring behaves as if all had their turn;
+/// docs/simulator.md has the figures. Strict order of arrival is not used, for it locks into step:
 /// whoever has succeeded in a compare-and-swap loop is the first to know the new value when its
 /// turn comes again, and wins for ever.
 #pragma once
