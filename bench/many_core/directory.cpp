@@ -15,7 +15,7 @@ Directory::Directory(const Profile& p, EventQueue& events, std::uint64_t seed)
       far_(picoseconds(p.far_atomic)),
       bus_(picoseconds(p.bus_occupancy)),
       bypass_(static_cast<unsigned>(std::lround(p.bypass))),
-      in_turn_(p.turns >= 0.5),
+      in_turn_(p.turns != 0),
       bus_free_(p.sockets),
       random_(seed),
       slots_(std::size_t{1} << 12U),

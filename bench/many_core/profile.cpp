@@ -145,6 +145,8 @@ constexpr auto entries = [] {
   return all;
 }();
 
+constexpr std::array<std::string_view, 2> whole_figures{"bypass", "turns"};
+
 constexpr std::string_view transfer_prefix = "transfer.";
 
 // The level of a key "transfer.LEVEL".
@@ -283,13 +285,15 @@ class Reader {
 
   double number(const Row& row, const Json& json) const {
     const FigureEntry& entry = row.entry;
+    const bool whole = std::ranges::find(whole_figures, entry.key) != whole_figures.end();
+    const double value = json.is_number() ? json.get<double>() : NAN;
     // A number too large for a double is read as infinity.
-    if (!json.is_number() || !std::isfinite(json.get<double>()) ||
-        json.get<double>() < entry.least || json.get<double>() > entry.most) {
-      fail(entry.key, fmt::format("is {}; must be a number from {} to {} ({})", json.dump(),
-                                  entry.least, entry.most, entry.meaning));
+    if (!std::isfinite(value) || value < entry.least || value > entry.most ||
+        (whole && value != std::round(value))) {
+      fail(entry.key, fmt::format("is {}; must be a {}number from {} to {} ({})", json.dump(),
+                                  whole ? "whole " : "", entry.least, entry.most, entry.meaning));
     }
-    return json.get<double>();
+    return value;
   }
 
   void read_figure(const Row& row) {

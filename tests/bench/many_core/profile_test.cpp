@@ -131,6 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"negative", [](Json& j) { j["rmw_hit"][0] = -1; }, "rmw_hit: is -1; must be"},
         Bad{"too_large", [](Json& j) { j["dram"][0] = 1e30; }, "dram: is 1e+30; must be"},
         Bad{"not_a_number", [](Json& j) { j["dram"][0] = nullptr; }, "dram: is null; must be"},
+        Bad{"half_a_turn",
+            [](Json& j) {
+              j["turns"] = {0.5, "s"};
+            },
+            "turns: is 0.5; must be a whole number from 0 to 1"},
         Bad{"no_source", [](Json& j) { j["dram"] = 90; },
             "dram: is 90; must be [value, \"source\"]"},
         Bad{"empty_source", [](Json& j) { j["dram"][1] = ""; }, "must be [value, \"source\"]"},
