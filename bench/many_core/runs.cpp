@@ -62,11 +62,11 @@ Json latency(std::span<const nlohmann::json> results, const char* operation) {
 
 std::string band_of(const Point& point) {
   if (point.scenario == Scenario::primitive)
-    return "a factor of 1.25 of published fetch-and-adds, of 1.8 of a counter under a mutex; "
-           "compare-and-swap loops depend on the residence";
+    return "a factor of 1.25 of published fetch-and-adds, of 2.1 of a counter under a mutex; "
+           "compare-and-swap loops depend on residence and turns";
   return point.threads < 3
              ? "a factor of 4 and more: near-empty queues with two threads"
-             : "a factor of 1.54 (geometric mean over published curves), 3 for mutexes and lists, "
+             : "a factor of 1.64 (geometric mean over published curves), 3 for mutexes and lists, "
                "more where a published client is not told; see docs/simulator.md";
 }
 
