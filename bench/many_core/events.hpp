@@ -86,7 +86,7 @@ class EventQueue {
 
  private:
   static constexpr std::uint64_t thread_order = std::uint64_t{1} << 62U;
-  static constexpr std::size_t places = 32;
+  static constexpr std::size_t places = 64;
   static constexpr std::size_t spare = 64;  // entries of events that are gone
 
   // Time, then order, in one number.
