@@ -55,7 +55,7 @@ Request& Waiting::take(Time now, unsigned near, unsigned bypass, Random& random)
   --due_;
   --arrived_;
   --count_;
-  served_.add(request.core);
+  if (in_turn_) served_.add(request.core);
   return request;
 }
 

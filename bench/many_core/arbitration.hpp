@@ -104,7 +104,7 @@ class Waiting {
   std::vector<Socket> sockets_;
   bool in_turn_;
   std::vector<OnItsWay> under_way_;  // by arrival
-  CoreSet served_;                   // in this round
+  CoreSet served_;                   // in this round, if all are served in turn
   unsigned count_ = 0, arrived_ = 0, due_ = 0;
   unsigned bypassed_ = 0;  // how often in a row
 };
