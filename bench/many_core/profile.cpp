@@ -96,11 +96,12 @@ constexpr std::array rows{
          IRT_MEMBER(invalidate_per_sharer)},
         3,
         "trial of the model"},
-    Row{{"bypass", "requests of the owner's socket that may overtake", 0, 64, IRT_MEMBER(bypass)},
+    Row{{"bypass", "requests of the owner's socket that may overtake", 0, 64, IRT_MEMBER(bypass),
+         true},
         0,
         "assumed: first come, first served"},
     Row{{"turns", "1: all that wait are served before one is again; 0: any of them is next", 0, 1,
-         IRT_MEMBER(turns)},
+         IRT_MEMBER(turns), true},
         1,
         "wtarreau/atomic-tests, i7-8650U (ring): of load and compare-and-swap by 8 threads 14 % "
         "succeed; in turn 14 %, drawn 25 %"},
@@ -144,8 +145,6 @@ constexpr auto entries = [] {
   std::ranges::transform(rows, all.begin(), &Row::entry);
   return all;
 }();
-
-constexpr std::array<std::string_view, 2> whole_figures{"bypass", "turns"};
 
 constexpr std::string_view transfer_prefix = "transfer.";
 
@@ -285,13 +284,13 @@ class Reader {
 
   double number(const Row& row, const Json& json) const {
     const FigureEntry& entry = row.entry;
-    const bool whole = std::ranges::find(whole_figures, entry.key) != whole_figures.end();
     const double value = json.is_number() ? json.get<double>() : NAN;
     // A number too large for a double is read as infinity.
     if (!std::isfinite(value) || value < entry.least || value > entry.most ||
-        (whole && value != std::round(value))) {
-      fail(entry.key, fmt::format("is {}; must be a {}number from {} to {} ({})", json.dump(),
-                                  whole ? "whole " : "", entry.least, entry.most, entry.meaning));
+        (entry.whole && value != std::round(value))) {
+      fail(entry.key,
+           fmt::format("is {}; must be a {}number from {} to {} ({})", json.dump(),
+                       entry.whole ? "whole " : "", entry.least, entry.most, entry.meaning));
     }
     return value;
   }

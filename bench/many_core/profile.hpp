@@ -118,6 +118,7 @@ struct FigureEntry {
   std::string_view meaning;
   double least, most;
   double& (*of)(Profile&);
+  bool whole = false;  ///< takes whole numbers only
 };
 
 /// Every figure a profile has, in the order of files. Topology is none: it does not vary.
