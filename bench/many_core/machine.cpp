@@ -188,7 +188,8 @@ unsigned Machine::serve(Line& line, Time now, Time limit) {
   return thread.number;
 }
 
-// A moment to note has come, or lies behind: counting begins, or time is up.
+// Events from `mark_` on: the first begins to count, those after `until_` are counted, too, for a
+// run must end.
 void Machine::pass_mark(Time time) {
   if (!counting_) start_counting();
   mark_ = until_ + 1;

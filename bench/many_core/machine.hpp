@@ -295,7 +295,7 @@ class Machine final : public virtual_cores::Tenant {
   bool timed_ = false;
   unsigned left_ = 0;  // threads that have not returned
   Time count_from_ = 0, until_ = 0, limit_ = 0;
-  Time mark_ = 0;  // when the next of them passes: the first event from then on notes it
+  Time mark_ = 0;  // events before it are neither the first that counts nor after `until_`
   bool counting_ = false;
   Counts counts_;
   std::uint64_t events_taken_ = 0, events_after_ = 0;
