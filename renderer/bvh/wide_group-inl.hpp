@@ -6,6 +6,7 @@
 #define IRT_WIDE_GROUP_INL
 #endif
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
