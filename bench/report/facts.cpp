@@ -167,8 +167,13 @@ std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> 
       {"operation mix", [](const Run& run, const Json&) { return operation_mix(run); }},
       {work_title, [](const Run& run, const Json&) { return work(run); }},
       {"placement", [](const Run& run, const Json&) { return placement(run); }},
-      {"SMT", [](const Run&, const Json& at) { return smt(at); }},
-      {"governor", [](const Run&, const Json& at) { return shown(at, "governor"); }},
+      // What the host of a simulation has says nothing of the machine that is simulated.
+      {"SMT", [](const Run& run,
+                 const Json& at) { return run.simulated() ? "simulated: as placed" : smt(at); }},
+      {"governor",
+       [](const Run& run, const Json& at) {
+         return run.simulated() ? "simulated: none" : shown(at, "governor");
+       }},
       {"interval", [](const Run& run, const Json&) { return interval(run); }},
       {"repetitions", [](const Run& run, const Json&) { return repetitions(run); }},
       {"processor", [](const Run& run, const Json& at) { return processor(run, at); }},
