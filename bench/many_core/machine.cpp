@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 #include <stdexcept>
 
 namespace irt::many_core {
@@ -32,6 +33,33 @@ std::vector<unsigned> place(const Profile& profile, unsigned threads, Placement 
   std::vector<unsigned> places;
   for (unsigned i = 0; i < threads; ++i) places.push_back(order[i % order.size()]);
   return places;
+}
+
+std::vector<Level> levels(const Profile& profile, Placement placement) {
+  const std::vector<unsigned> order = place(profile, profile.threads(), placement);
+  const auto first = [&order](auto is_beyond) {
+    return static_cast<unsigned>(std::ranges::find_if(order, is_beyond) - order.begin());
+  };
+  std::vector<Level> found;
+  const auto within = [&](Distance most, std::string_view name) {
+    found.push_back(
+        {first([&](unsigned thread) { return profile.distance(order[0], thread) > most; }), name});
+  };
+  within(Distance::same_cache, "one cache");
+  within(Distance::same_node, "one node");
+  within(Distance::same_socket, "one socket");
+  std::set<unsigned> cores;
+  found.push_back(
+      {first([&](unsigned thread) { return !cores.insert(profile.core_of(thread)).second; }),
+       "a core each"});
+  found.push_back({profile.threads(), "all hardware threads"});
+  std::erase_if(found, [](const Level& level) { return level.threads < 2; });
+  // Of those at the same number the last is the largest group.
+  std::ranges::reverse(found);
+  std::ranges::stable_sort(found, {}, &Level::threads);
+  const auto same = std::ranges::unique(found, {}, &Level::threads);
+  found.erase(same.begin(), same.end());
+  return found;
 }
 
 Machine::Machine(const Profile& profile, const std::vector<unsigned>& hardware_threads,

@@ -79,6 +79,15 @@ enum class Placement : std::uint8_t {
 };
 std::vector<unsigned> place(const Profile& profile, unsigned threads, Placement placement);
 
+/// A number of threads up to which all are within one group of the machine, and with one more no
+/// longer.
+struct Level {
+  unsigned threads;
+  std::string_view name;  ///< "one cache"
+};
+/// The levels that threads placed so pass, by rising number; at 2 threads and more.
+std::vector<Level> levels(const Profile& profile, Placement placement);
+
 class Machine final : public virtual_cores::Tenant {
  public:
   static constexpr Time private_window = 200 * nanosecond;

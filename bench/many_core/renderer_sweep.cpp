@@ -7,6 +7,7 @@
 
 #include "bench/frames/mean_interval.hpp"
 #include "bench/many_core/children.hpp"
+#include "bench/many_core/runs.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -127,7 +128,7 @@ std::vector<Json> sweep_renderer(const Profile& profile, const Recording& record
     Json run{{"kind", "simulated"},     {"source", "simulated"},
              {"machine", profile.name}, {"queue", options.queues[key.first]},
              {"threads", key.second},   {"work_scale", scale_of(options.pace, recording, profile)},
-             {"seeds", options.seeds}};
+             {"seeds", options.seeds},  {"levels", levels_of(profile, options.replay.placement)}};
     run.update(merged(in_order));
     runs.push_back(std::move(run));
   }

@@ -70,6 +70,13 @@ std::string band_of(const Point& point) {
                "more where a published client is not told; see docs/simulator.md";
 }
 
+Json levels_of(const Profile& profile, Placement placement) {
+  Json all = Json::array();
+  for (const Level& level : levels(profile, placement))
+    all.push_back({{"threads", level.threads}, {"name", level.name}});
+  return all;
+}
+
 Json summarise(const Profile& profile, const Point& point,
                std::span<const nlohmann::json> results) {
   std::string status = "ok", message;
@@ -94,6 +101,7 @@ Json summarise(const Profile& profile, const Point& point,
       {"work_ns", point.work_ns},
       {"capacity", point.capacity},
       {"placement", name_of(point.placement)},
+      {"levels", levels_of(profile, point.placement)},
       {"operation_mix", name_of(point.scenario)},
       {"repetitions", results.size()},
       {"seeds", results.size()},
@@ -206,7 +214,7 @@ std::string csv(const Json& runs) {
     for (const auto& [name, value] : flat.items()) {
       const std::string key = name.substr(1);
       if (key.starts_with("conditions") || key.starts_with("hot_lines") ||
-          key.starts_with("samples"))
+          key.starts_with("levels") || key.starts_with("samples"))
         continue;
       names += names.empty() ? key : "," + key;
       line += (line.empty() ? "" : ",") + (value.is_null() ? std::string() : value.dump());

@@ -14,6 +14,9 @@ namespace irt::many_core {
 nlohmann::ordered_json summarise(const Profile& profile, const Point& point,
                                  std::span<const nlohmann::json> results);
 
+/// As a run object has them: the levels of `levels`.
+nlohmann::ordered_json levels_of(const Profile& profile, Placement placement);
+
 /// What a figure of this kind of queue may be off by: see docs/simulator.md.
 std::string band_of(const Point& point);
 

@@ -283,6 +283,28 @@ class PanelMaker {
     return point;
   }
 
+  // The levels of the simulated machines; with their names where there are several.
+  std::vector<Mark> marks_of(const Panel& panel) const {
+    std::map<std::string, const Run*> machines;
+    for (const Series& series : panel.series) {
+      const Run& first = run(series.runs.front());
+      if (first.simulated() && first.fields.contains("levels"))
+        machines.try_emplace(first.text("machine") + ' ' + first.text("placement"), &first);
+    }
+    std::vector<Mark> marks;
+    for (const auto& [machine, one] : machines) {
+      for (const auto& level : one->fields.at("levels")) {
+        const auto threads = level.find("threads"), name = level.find("name");
+        if (threads == level.end() || !threads->is_number() || name == level.end() ||
+            !name->is_string())
+          continue;
+        const std::string of = machines.size() > 1 ? machine + ": " : "";
+        marks.push_back({threads->get<double>(), of + name->get<std::string>()});
+      }
+    }
+    return marks;
+  }
+
   void add_plots(Panel& panel, const Choice& x) const {
     for (const Metric& metric : metrics(panel.family)) {
       Plot plot{.name = std::string(metric.key),
@@ -292,7 +314,8 @@ class PanelMaker {
                 .log_y = false,
                 .dots = false,
                 .categories = {},
-                .lines = {}};
+                .lines = {},
+                .marks = {}};
       bool only_zeros = true;
       for (const Series& series : panel.series) {
         auto& line = plot.lines.emplace_back();
@@ -306,6 +329,7 @@ class PanelMaker {
         }
         std::ranges::sort(line, {}, &Point::x);
       }
+      if (x.key == "threads") plot.marks = marks_of(panel);
       if (only_zeros && metric.skip_zeros) continue;
       add(panel, std::move(plot));
     }
@@ -329,7 +353,8 @@ class PanelMaker {
                 .log_y = false,
                 .dots = false,
                 .categories = {percentiles.begin(), percentiles.end()},
-                .lines = {}};
+                .lines = {},
+                .marks = {}};
       for (const Series& series : panel.series) {
         auto& line = plot.lines.emplace_back();
         for (const std::size_t index : series.runs) {
@@ -367,6 +392,9 @@ class PanelMaker {
     }
     if (places.empty()) return;
     plot.dots = places.size() == 1;
+    std::erase_if(plot.marks, [&places](const Mark& mark) {
+      return mark.x < *places.begin() || mark.x > *places.rbegin();
+    });
     plot.log_x =
         plot.categories.empty() && *places.begin() > 0 && *places.rbegin() >= 16 * *places.begin();
     plot.log_y = least_y > 0 && most_y > 20 * least_y;

@@ -27,6 +27,12 @@ struct Series {
   std::vector<std::string> facts;  ///< by `series_columns()`
 };
 
+/// A place on the x axis that means something to a simulated machine.
+struct Mark {
+  double x = 0;
+  std::string name;
+};
+
 /// One figure of merit of all series of a panel. Axes are logarithmic where the range asks for it.
 struct Plot {
   std::string name;   ///< for a file
@@ -36,6 +42,7 @@ struct Plot {
   bool dots = false;                      ///< one value per series: a row each, `Point::x` unused
   std::vector<std::string> categories;    ///< names of x = 0, 1 ...; empty where x is a number
   std::vector<std::vector<Point>> lines;  ///< by series, each by rising x
+  std::vector<Mark> marks;                ///< within the range of the points
 };
 
 /// Several plots of the same series, with what must be known about them.

@@ -31,9 +31,16 @@ Json points_of(const std::vector<Point>& line) {
 Json plot_of(const Plot& plot) {
   Json lines = Json::array();
   for (const auto& line : plot.lines) lines.push_back(points_of(line));
-  return {{"title", plot.title},          {"xTitle", plot.x_title}, {"logX", plot.log_x},
-          {"logY", plot.log_y},           {"dots", plot.dots},      {"lines", lines},
-          {"categories", plot.categories}};
+  Json marks = Json::array();
+  for (const Mark& mark : plot.marks) marks.push_back({{"x", mark.x}, {"name", mark.name}});
+  return {{"title", plot.title},
+          {"xTitle", plot.x_title},
+          {"logX", plot.log_x},
+          {"logY", plot.log_y},
+          {"dots", plot.dots},
+          {"lines", lines},
+          {"categories", plot.categories},
+          {"marks", marks}};
 }
 
 Json panel_of(const Panel& panel) {

@@ -153,6 +153,14 @@ function drawLines(plot, panel, shown, width) {
       { "text-anchor": "end" }));
   if (plot.logY) svg.append(label("logarithmic", area.left + 4, area.top - 2));
 
+  for (const level of plot.marks) {
+    const place = x(level.x);
+    svg.append(
+      shape("path", { class: "level", d: `M${place} ${area.top}V${area.bottom}` }),
+      label(clipped(level.name, area.bottom - area.top), place - 3, area.bottom - 4,
+        { class: "level", transform: `rotate(-90 ${place - 3} ${area.bottom - 4})` }));
+  }
+
   const points = [];
   const ends = [];
   plot.lines.forEach((line, index) => {

@@ -71,6 +71,19 @@ std::string tics(const char* axis, const std::vector<std::string>& names) {
   return fmt::format("set {}tics ({})\n", axis, list);
 }
 
+// An upright line each, with its name beside it.
+std::string marks_of(const Plot& plot) {
+  std::string lines;
+  for (const Mark& mark : plot.marks) {
+    lines += fmt::format(
+        "set arrow from {0}, graph 0 to {0}, graph 1 nohead dt 3 lc rgb '#707070'\n"
+        "set label {1} at {0}, graph 0.02 rotate by 90 offset character -0.9,0 "
+        "textcolor rgb '#707070'\n",
+        mark.x, quoted(mark.name));
+  }
+  return lines;
+}
+
 std::string axes_of(const Panel& panel, const Plot& plot) {
   if (plot.dots) {
     std::vector<std::string> names;
@@ -80,10 +93,12 @@ std::string axes_of(const Panel& panel, const Plot& plot) {
                        tics("y", names));
   }
   return fmt::format(
-      "set xlabel {}\nset ylabel {}\n{}{}{}set key outside bottom center maxcols 2 Left reverse\n",
-      quoted(plot.x_title), quoted(plot.title), plot.log_x ? "set logscale x 2\n" : "",
-      plot.log_y ? "set logscale y\n" : "set yrange [0:*]\n",
-      plot.categories.empty() ? "" : tics("x", plot.categories));
+             "set xlabel {}\nset ylabel {}\n{}{}{}set key outside bottom center maxcols 2 Left "
+             "reverse\n",
+             quoted(plot.x_title), quoted(plot.title), plot.log_x ? "set logscale x 2\n" : "",
+             plot.log_y ? "set logscale y\n" : "set yrange [0:*]\n",
+             plot.categories.empty() ? "" : tics("x", plot.categories)) +
+         marks_of(plot);
 }
 
 std::string script_of(const Panel& panel, const Plot& plot, const std::string& name) {

@@ -70,6 +70,26 @@ TEST_F(FiguresTest, QueuesOverThreadsWithIntervalsAndSamples) {
   }
 }
 
+TEST_F(FiguresTest, LevelsOfASimulatedMachineAreMarkedWhereTheyAreInRange) {
+  Json runs = synthetic::sweep({"lock"}, {1, 64}, "big");
+  for (Json& run : runs) {
+    run["levels"] = {{{"threads", 8}, {"name", "one cache"}},
+                     {{"threads", 64}, {"name", "a core each"}},
+                     {{"threads", 128}, {"name", "all hardware threads"}},
+                     {{"threads", nullptr}, {"name", "nothing"}}};
+  }
+  const auto panels = panels_of(read(runs));
+  const Plot& operations = plot(panels[0], "operations_per_second");
+  ASSERT_EQ(operations.marks.size(), 2u);
+  EXPECT_EQ(operations.marks[0].x, 8);
+  EXPECT_EQ(operations.marks[0].name, "one cache");
+  EXPECT_EQ(operations.marks[1].x, 64);
+  write_plots(panels, directory_ / "plots");
+  const std::string script =
+      contents(directory_ / "plots" / (panels[0].name + "-operations_per_second.gp"));
+  EXPECT_NE(script.find("set label 'one cache' at 8,"), std::string::npos) << script;
+}
+
 TEST_F(FiguresTest, SimulatedRunsStandBesideMeasuredOnesAndAreMarked) {
   Json runs = synthetic::sweep({"lock"}, {1, 2, 4});
   for (const Json& run : synthetic::sweep({"lock"}, {1, 64, 256}, "big")) runs.push_back(run);
