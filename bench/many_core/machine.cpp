@@ -57,8 +57,8 @@ std::vector<Level> levels(const Profile& profile, Placement placement) {
   // Of those at the same number the last is the largest group.
   std::ranges::reverse(found);
   std::ranges::stable_sort(found, {}, &Level::threads);
-  const auto same = std::ranges::unique(found, {}, &Level::threads);
-  found.erase(same.begin(), same.end());
+  const auto alike = [](const Level& a, const Level& b) { return a.threads == b.threads; };
+  found.erase(std::unique(found.begin(), found.end(), alike), found.end());
   return found;
 }
 
