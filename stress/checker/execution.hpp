@@ -63,6 +63,7 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] const std::optional<Finding>& finding() const { return finding_; }
   [[nodiscard]] const Graph& graph() const { return graph_; }
   Graph& graph() { return graph_; }
+  [[nodiscard]] const Limits& limits() const { return limits_; }
   [[nodiscard]] unsigned threads() const { return main_; }
   /// The thread that prepares and finishes.
   [[nodiscard]] unsigned main_thread() const { return main_; }

@@ -169,8 +169,31 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   const std::size_t number = call(Operation::Kind::pop, thread, worker);
   std::uint64_t value = 0;
   const bool answered = finish(number, [&] { return queue_->pop(worker, value); });
-  if (answered) operations_[number].value = value;
-  return answered;
+  if (!answered) return false;
+  operations_[number].value = value;
+  take_payload(operations_[number]);
+  return true;
+}
+
+// What an element points to is plain memory that nothing else touches: it was written when the
+// thread had made the events that the push was called after, and is read now. So there is a race
+// exactly if the push's first event does not happen before here, and no memory is needed to tell.
+void QueueClient::take_payload(const Operation& pop) const {
+  Execution& execution = *Execution::current_execution();
+  if (!execution.limits().races) return;
+  const auto push =
+      std::find_if(operations_.rbegin(), operations_.rend(), [&pop](const Operation& o) {
+        return o.kind == Operation::Kind::push && o.value == pop.value;
+      });
+  if (push == operations_.rend() || push->thread == pop.thread) return;
+  if (execution.clock_of(pop.thread).count[push->thread] > push->called.count[push->thread]) return;
+  execution.report(FindingKind::data_race,
+                   "what thread " + std::to_string(push->thread) + " wrote before push " +
+                       std::to_string(push->value) + " and what thread " +
+                       std::to_string(pop.thread) +
+                       " read after the pop that returned it: the queue does not publish its "
+                       "elements",
+                   {});
 }
 
 std::size_t QueueClient::call(Operation::Kind kind, unsigned thread, unsigned worker) {

@@ -18,6 +18,9 @@
 ///
 ///     C  close: push `close_word`, for queues whose pop waits until they are closed
 ///
+/// Each element stands for something that its thread writes just before the push, and that is read
+/// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
+///
 /// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
 /// before and after is done on behalf of worker 0.
 #pragma once
@@ -72,6 +75,7 @@ class QueueClient {
   void work_until_over(unsigned thread, unsigned worker);
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
+  void take_payload(const Operation& pop) const;
   std::size_t call(Operation::Kind kind, unsigned thread, unsigned worker);
   template <class Work>
   bool finish(std::size_t number, Work work);

@@ -5,6 +5,7 @@
 /// virtual cores.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -27,6 +28,41 @@ class Complaint : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// No element of any run.
+inline constexpr Element no_element = ~Element{0};
+
+/// What elements point to: a word for each, written before its push and read after its pop, as the
+/// renderer's tasks are. Plain memory, each word of one element alone, so that ThreadSanitizer
+/// reports a queue that does not publish what it carries. Nothing here synchronises.
+class Payloads {
+ public:
+  /// Makes room for `elements` elements of each of `workers` producers, for a run in which words
+  /// differ from those of runs with another `salt`. Not while workers run.
+  void prepare(unsigned workers, std::size_t elements, std::uint64_t salt) {
+    words_.resize(workers);
+    for (auto& words : words_) words.resize(std::max(words.size(), elements));
+    salt_ = salt;
+  }
+  void write(Element e) {
+    if (std::uint64_t* word = find(e)) *word = e ^ salt_;
+  }
+  /// Whether the word is there. True for what is no element: others judge that.
+  [[nodiscard]] bool holds(Element e) {
+    const std::uint64_t* word = find(e);
+    return word == nullptr || *word == (e ^ salt_);
+  }
+
+ private:
+  std::uint64_t* find(Element e) {
+    const std::uint64_t producer = e >> sequence_bits;
+    if (producer >= words_.size() || sequence_of(e) >= words_[producer].size()) return nullptr;
+    return &words_[producer][sequence_of(e)];
+  }
+
+  std::vector<std::vector<std::uint64_t>> words_;  ///< by producer and sequence
+  std::uint64_t salt_ = 0;
+};
+
 /// What lasts from one thread to the next in the role of a worker.
 struct WorkerState {
   unsigned worker = 0;
@@ -38,7 +74,9 @@ struct WorkerState {
   std::uint64_t operations = 0;  ///< how many `Core::more` grants to each thread
   std::uint64_t next_sequence = 0;
   std::uint64_t barriers = 0;
-  std::vector<Operation> log;  ///< reserve `log_size()` so that recording never allocates
+  std::vector<Operation> log;        ///< reserve `log_size()` so that recording never allocates
+  Payloads* payloads = nullptr;      ///< of all workers; null: elements point to nothing
+  Element unpublished = no_element;  ///< the first that was popped without its payload
 
   /// Enough for `generations` threads, each with its operations and some barriers.
   [[nodiscard]] std::size_t log_size(unsigned generations) const {
@@ -65,6 +103,7 @@ class Core {
   bool push() {
     const Element e = element(state_.worker, state_.next_sequence);
     if (left_ > 0) --left_;
+    if (state_.payloads != nullptr) state_.payloads->write(e);
     const Stamp invoked = enter(Kind::push);
     const bool accepted = queue_.push(state_.worker, e);
     const Stamp returned = leave();
@@ -81,7 +120,11 @@ class Core {
     const bool found = queue_.pop(state_.worker, e);
     const Stamp returned = leave();
     state_.log.push_back({invoked, returned, e, found ? Kind::pop : Kind::empty});
-    return found ? std::optional(e) : std::nullopt;
+    if (!found) return std::nullopt;
+    if (state_.payloads != nullptr && !state_.payloads->holds(e) &&
+        state_.unpublished == no_element)
+      state_.unpublished = e;
+    return e;
   }
 
   /// Waits until every worker of the run is here. All must call it equally often.

@@ -117,6 +117,7 @@ class ScenarioRunner {
     for (WorkerState& state : states_) history.logs.push_back(std::move(state.log));
     history.error = assignment_.clock.error;
     if (!finding) finding = judge_history(history);
+    if (!finding) finding = judge_payloads();
     bump();
     if (finding) {
       finding->evidence +=
@@ -142,9 +143,11 @@ class ScenarioRunner {
                .capacity = scenario_.capacity,
                .random = mix_seed(seed, worker),
                .operations = operations,
-               .log = {}};
+               .log = {},
+               .payloads = &payloads_};
       state.log.reserve(state.log_size(scenario_.generations));
     }
+    payloads_.prepare(cast_.workers, states_[0].log_size(scenario_.generations), seed);
   }
 
   void run_team(ElementQueue& queue, const Perturbation& perturbation, std::uint64_t seed) {
@@ -230,9 +233,25 @@ class ScenarioRunner {
     return finding;
   }
 
+  /// Where the processor, not ThreadSanitizer, shows what is not published.
+  std::optional<Finding> judge_payloads() const {
+    for (const WorkerState& state : states_) {
+      if (state.unpublished == no_element) continue;
+      return Finding{
+          .claim = "what was done before a push is seen after the pop of its element",
+          .evidence = fmt::format("worker {} popped {} and did not see what worker {} had written "
+                                  "before it pushed that\n",
+                                  state.worker, element_name(state.unpublished),
+                                  producer_of(state.unpublished)),
+          .repeat = {}};
+    }
+    return std::nullopt;
+  }
+
   const Assignment& assignment_;
   const Scenario& scenario_;
   Cast cast_;
+  Payloads payloads_;
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that drives the rounds
   std::vector<WorkerState> states_;
   Verdict sums_;
