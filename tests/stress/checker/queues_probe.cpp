@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "queues/lock_free/lcrq.hpp"
+#include "queues/word.hpp"
 #include "queues/work_queue.hpp"
 
 namespace {
@@ -257,6 +258,42 @@ class BoxedLcrq {
   irt::Lcrq<T*> queue_;
 };
 
+/// A bag that hands its elements over with one exchange: each leaves once, whatever the order, and
+/// what it points to is published by an order that is strong enough only.
+template <class T, std::memory_order order>
+class Bag {
+ public:
+  static constexpr std::string_view summary = "a bag";
+  static constexpr Claims claims{.reclamation = Reclamation::at_destruction};
+
+  Bag(unsigned, std::size_t) {}
+  bool push(unsigned, T task) {
+    for (auto& place : places_) {
+      std::uint64_t none = 0;
+      if (place.compare_exchange_strong(none, irt::word_of(task), order, rlx)) return true;
+    }
+    return false;
+  }
+  bool pop(unsigned, T& task) {
+    for (auto& place : places_) {
+      const std::uint64_t word = place.exchange(0, order);
+      if (word == 0) continue;
+      task = irt::element_of<T>(word);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  std::atomic<std::uint64_t> places_[8]{};
+};
+
+template <class T>
+using PublishingBag = Bag<T, std::memory_order_acq_rel>;
+template <class T>
+using UnpublishedBag = Bag<T, rlx>;
+template <class T>
+using HalfPublishedBag = Bag<T, rel>;
 template <class T>
 using Healthy = Linked<T, Fault::none>;
 template <class T>
@@ -279,6 +316,9 @@ template <class T>
 using BoastfulRing = Ring<T, true>;
 
 constexpr irt::QueueEntry entries[] = {
+    irt::queue_entry<PublishingBag>("publishing-bag"),
+    irt::queue_entry<UnpublishedBag>("unpublished-bag"),
+    irt::queue_entry<HalfPublishedBag>("half-published-bag"),
     irt::queue_entry<Healthy>("healthy"),
     irt::queue_entry<RelaxedPublish>("relaxed-publish"),
     irt::queue_entry<RelaxedHead>("relaxed-head"),

@@ -71,6 +71,23 @@ TEST_F(Queues, faults_are_found_exhaustively) {
     EXPECT_EQ(first_finding(queue, {.seconds = 20}).first, kind) << queue;
 }
 
+// Its elements leave once, whatever its orders; what they point to needs both.
+TEST_F(Queues, what_an_element_points_to_is_published_or_a_race_is_found) {
+  EXPECT_EQ(first_finding("publishing-bag", {}).first, "");
+  for (const char* queue : {"unpublished-bag", "half-published-bag"})
+    for (const char* shape : {"E|D", "E|R", "EE|DD"}) {
+      const checker::Result result = check(queue, shape, {});
+      ASSERT_TRUE(result.finding) << queue << " on " << shape;
+      EXPECT_EQ(result.finding->kind, checker::FindingKind::data_race);
+      EXPECT_NE(result.finding->text.find("does not publish its elements"), std::string::npos)
+          << result.finding->text;
+    }
+  EXPECT_FALSE(check("unpublished-bag", "E:D|D", {}).finding) << "threads see the prologue";
+  checker::Options ignoring;
+  ignoring.limits.races = false;
+  EXPECT_FALSE(check("unpublished-bag", "E|D", ignoring).finding);
+}
+
 TEST_F(Queues, faults_are_found_by_samples_whatever_the_seed) {
   for (const char* queue : {"relaxed-publish", "relaxed-head", "delete-now", "two-locks"})
     for (std::uint64_t seed = 1; seed <= 5; ++seed)
