@@ -119,7 +119,7 @@ IRT_ATOMIC(32)
 IRT_ATOMIC(64)
 
 #if defined(__x86_64__)
-// What the instruction `pause` has become in these objects (stress/virtual_cores/pause.hpp).
+// What the instruction `pause` has become in these objects (stress/virtual_cores/prelude.hpp).
 asm(".pushsection .text\n.globl irt_vc_cpu_pause\n.type irt_vc_cpu_pause, @function\n"
     "irt_vc_cpu_pause:\npause\nret\n.popsection");
 #endif

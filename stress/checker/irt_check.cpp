@@ -59,17 +59,10 @@ std::vector<std::string> queue_names() {
 
 json to_json(const checker::ShapeResult& s) {
   const checker::Result& r = s.result;
-  json j{{"shape", s.shape},
-         {"search", s.search},
-         {"executions", r.executions},
-         {"complete", r.complete},
-         {"blocked", r.blocked},
-         {"inconsistent", r.cut},
-         {"seconds", r.seconds},
-         {"finished", r.finished},
-         {"explored", r.explored},
-         {"histories", s.histories},
-         {"assumed_waits", r.assumed_waits}};
+  json j{{"shape", s.shape},       {"search", s.search},       {"executions", r.executions},
+         {"complete", r.complete}, {"blocked", r.blocked},     {"inconsistent", r.cut},
+         {"seconds", r.seconds},   {"finished", r.finished},   {"proved", s.proved},
+         {"explored", r.explored}, {"histories", s.histories}, {"assumed_waits", r.assumed_waits}};
   if (r.finding) {
     j["finding"] = {{"kind", name_of(r.finding->kind)}, {"report", s.report}};
     j["schedule"] = to_string(r.schedule);
@@ -197,11 +190,12 @@ int run(const CommandLine& line) {
   for (const checker::ShapeResult& shape : result.shapes)
     if (!shape.report.empty()) std::cout << '\n' << shape.report;
   if (!settings.quiet && !result.unseen.empty())
-    fmt::print("\nNot seen by the checker, for it is compiled code: {}\n",
+    fmt::print("\nNot seen by the checker, for it is compiled code, so nothing is proved: {}\n",
                fmt::join(result.unseen, ", "));
   if (!settings.quiet && !result.unseen_instructions.empty())
-    fmt::print("\nNot seen by the checker, for no compiler announces it: {}\n",
-               fmt::join(result.unseen_instructions, ", "));
+    fmt::print(
+        "\nNot seen by the checker, for no compiler announces it, so nothing is proved: {}\n",
+        fmt::join(result.unseen_instructions, ", "));
   if (!line.json_file.empty()) {
     json j{{"queue", entry.name},           {"found", result.found},
            {"seed", settings.options.seed}, {"capacity", settings.capacity},

@@ -33,6 +33,11 @@ std::string_view name_of(Search search) {
 /// What the exhaustive search is called when a clock orders the calls.
 constexpr const char* timed_search = "real time";
 
+/// Whether its search leaves nothing out when it comes to its end.
+bool searched_whole(const ShapeResult& s) {
+  return s.search == name_of(Search::exhaustive) || s.search == timed_search;
+}
+
 std::string report_of(QueueClient& client, const Options& options, const Result& result,
                       virtual_cores::Module& module, const std::string& command) {
   Symbols symbols(module);
@@ -66,8 +71,8 @@ void say(const ShapeResult& s) {
   std::string verdict = "nothing found" + estimate(r.executions, r.explored);
   if (r.finding)
     verdict = std::string(checker::name_of(r.finding->kind));
-  else if (r.finished && (s.search == "exhaustive" || s.search == timed_search))
-    verdict = "proved";
+  else if (r.finished && searched_whole(s))
+    verdict = s.proved ? "proved" : "explored whole, not proved: " + s.unproved;
   else if (r.finished)
     verdict = "nothing within the bound";
   fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}\n", s.shape,
@@ -90,6 +95,10 @@ class QueueCheck {
   QueueResult run() {
     all_.unseen = module_.unseen_calls();
     if (settings_.reports) all_.unseen_instructions = Symbols(module_).unseen_instructions();
+    if (!all_.unseen.empty())
+      all_.unproved = "it calls compiled code";
+    else if (!all_.unseen_instructions.empty())
+      all_.unproved = "not all that it does to memory is seen";
     // Proofs first, of all shapes; then samples of those that were too large for one. Who finishes
     // early leaves the time to the rest.
     const auto open = search_all(shapes_, settings_.search.value_or(Search::exhaustive),
@@ -132,7 +141,7 @@ class QueueCheck {
     }
     for (std::size_t i = 0; i < shapes.size() && !all_.found; ++i) {
       const double left = until * settings_.seconds - elapsed();
-      ShapeResult shape{shapes[i], label(kind), {}, 0, ""};
+      ShapeResult shape{.shape = shapes[i], .search = label(kind)};
       search(shape, kind, left / static_cast<double>(shapes.size() - i), settings_.options.seed);
       if (!shape.result.finished) open.push_back(shapes[i]);
       add(std::move(shape));
@@ -145,7 +154,8 @@ class QueueCheck {
   void sample(const std::vector<std::string>& shapes, Search kind, double until) {
     std::vector<ShapeResult> results;
     results.reserve(shapes.size());
-    for (const std::string& shape : shapes) results.push_back({shape, label(kind), {}, 0, ""});
+    for (const std::string& shape : shapes)
+      results.push_back({.shape = shape, .search = label(kind)});
     constexpr std::uint64_t next_seed = 1'000'003;  // a round begins where no other one does
     std::uint64_t seed = settings_.options.seed;
     const auto found = [](const ShapeResult& s) { return s.result.finding.has_value(); };
@@ -193,7 +203,7 @@ class QueueCheck {
     QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
     const ProgressResult stalls =
         check_progress(client.scenario(), settings_.options.limits, settings_.options.seed, 6);
-    ShapeResult shape{text, "stalls", {}, 0, ""};
+    ShapeResult shape{.shape = text, .search = "stalls"};
     shape.result.executions = stalls.executions;
     shape.result.finding = stalls.finding;
     if (stalls.finding && settings_.reports) {
@@ -208,6 +218,9 @@ class QueueCheck {
   }
 
   void add(ShapeResult shape) {
+    shape.unproved = all_.unproved;
+    shape.proved = shape.result.finished && !shape.result.finding && searched_whole(shape) &&
+                   shape.unproved.empty();
     if (!settings_.quiet) say(shape);
     all_.found = all_.found || shape.result.finding;
     all_.shapes.push_back(std::move(shape));

@@ -28,15 +28,18 @@ struct CheckSettings {
 struct ShapeResult {
   std::string shape;
   std::string search;  ///< which search it was
-  Result result;
+  Result result{};
   std::size_t histories = 0;
-  std::string report;  ///< of the finding; empty if there is none
+  std::string report{};    ///< of the finding; empty if there is none
+  bool proved = false;     ///< every execution was looked at, and everything in it was seen
+  std::string unproved{};  ///< why a whole search of this queue is no proof; empty if it is one
 };
 
 struct QueueResult {
   std::vector<ShapeResult> shapes;
   std::vector<std::string> unseen;               ///< calls into code that the checker does not see
   std::vector<std::string> unseen_instructions;  ///< see Symbols; left empty without `reports`
+  std::string unproved;                          ///< see ShapeResult
   bool found = false;
 };
 

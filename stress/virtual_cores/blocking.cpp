@@ -18,6 +18,10 @@
 namespace {
 
 using irt::virtual_cores::active;
+using irt::virtual_cores::address_of;
+using irt::virtual_cores::announce_write;
+using irt::virtual_cores::ask;
+using irt::virtual_cores::core_errno;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;
@@ -28,10 +32,6 @@ using irt::virtual_cores::Wake;
 
 constexpr std::int64_t forever = -1;
 constexpr unsigned everybody = INT_MAX;
-
-std::uintptr_t address_of(const volatile void* pointer) {
-  return reinterpret_cast<std::uintptr_t>(pointer);
-}
 
 std::uint32_t load(const std::uint32_t& word, const void* pc) {
   irt::virtual_cores::forget_registers();
@@ -55,7 +55,7 @@ bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired,
 // Zeroes an object that the code has made.
 template <class T>
 void clear(T& object, const void* pc) {
-  active->plain_write(address_of(&object), sizeof object, pc);
+  announce_write(&object, sizeof object, pc);
   std::memset(&object, 0, sizeof object);
 }
 
@@ -78,7 +78,8 @@ struct Mutex {
   bool recursive() const { return (kind & 3U) == PTHREAD_MUTEX_RECURSIVE; }
 };
 
-Mutex& mutex_of(pthread_mutex_t* mutex) {
+Mutex& mutex_of(pthread_mutex_t* mutex, const void* pc) {
+  ask(mutex, sizeof *mutex, pc);
   return *reinterpret_cast<Mutex*>(mutex);
 }
 
@@ -115,13 +116,14 @@ int unlock(Mutex& mutex, const void* pc) {
 }
 
 // pthread_cond_t: a word that every notification changes.
-std::uint32_t& sequence_of(pthread_cond_t* condition) {
+std::uint32_t& sequence_of(pthread_cond_t* condition, const void* pc) {
+  ask(condition, sizeof *condition, pc);
   return *reinterpret_cast<std::uint32_t*>(condition);
 }
 
 int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanoseconds,
                    const void* pc) {
-  std::uint32_t& sequence = sequence_of(condition);
+  std::uint32_t& sequence = sequence_of(condition, pc);
   const std::uint32_t seen = load(sequence, pc);
   unlock(mutex, pc);
   const Wake wake = active->wait(address_of(&sequence), seen, nanoseconds, pc);
@@ -130,19 +132,21 @@ int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanosec
 }
 
 int condition_notify(pthread_cond_t* condition, unsigned count, const void* pc) {
-  add(sequence_of(condition), 1, pc);
+  add(sequence_of(condition, pc), 1, pc);
   active->wake(address_of(condition), count, pc);
   return 0;
 }
 
 // pthread_rwlock_t: readers, or all bits for a writer.
 constexpr std::uint32_t writer = ~0U;
-std::uint32_t& word_of(pthread_rwlock_t* lock) {
+std::uint32_t& word_of(pthread_rwlock_t* lock, const void* pc) {
+  ask(lock, sizeof *lock, pc);
   return *reinterpret_cast<std::uint32_t*>(lock);
 }
 
 // sem_t: the count.
-std::uint32_t& count_of(sem_t* semaphore) {
+std::uint32_t& count_of(sem_t* semaphore, const void* pc) {
+  ask(semaphore, sizeof *semaphore, pc);
   return *reinterpret_cast<std::uint32_t*>(semaphore);
 }
 
@@ -176,22 +180,23 @@ IRT_REDIRECTED int irt_vc_pthread_mutex_init(pthread_mutex_t* m, const pthread_m
   clear(*m, IRT_PC);
   int type = 0;
   if (kind != nullptr) pthread_mutexattr_gettype(kind, &type);
-  mutex_of(m).kind = static_cast<std::uint32_t>(type);
+  mutex_of(m, IRT_PC).kind = static_cast<std::uint32_t>(type);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_destroy(pthread_mutex_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_lock(pthread_mutex_t* m) {
-  return lock(mutex_of(m), IRT_PC);
+  return lock(mutex_of(m, IRT_PC), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_trylock(pthread_mutex_t* m) {
-  return try_lock(mutex_of(m), IRT_PC);
+  return try_lock(mutex_of(m, IRT_PC), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_unlock(pthread_mutex_t* m) {
-  return unlock(mutex_of(m), IRT_PC);
+  return unlock(mutex_of(m, IRT_PC), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_init(pthread_spinlock_t* s, int) {
+  announce_write(const_cast<int*>(s), sizeof *s, IRT_PC);
   *s = 0;
   return 0;
 }
@@ -220,15 +225,15 @@ IRT_REDIRECTED int irt_vc_pthread_cond_destroy(pthread_cond_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_cond_wait(pthread_cond_t* c, pthread_mutex_t* m) {
-  return condition_wait(c, mutex_of(m), forever, IRT_PC);
+  return condition_wait(c, mutex_of(m, IRT_PC), forever, IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_cond_timedwait(pthread_cond_t* c, pthread_mutex_t* m,
                                                  const timespec* deadline) {
-  return condition_wait(c, mutex_of(m), until(deadline), IRT_PC);
+  return condition_wait(c, mutex_of(m, IRT_PC), until(deadline), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_cond_clockwait(pthread_cond_t* c, pthread_mutex_t* m, clockid_t,
                                                  const timespec* deadline) {
-  return condition_wait(c, mutex_of(m), until(deadline), IRT_PC);
+  return condition_wait(c, mutex_of(m, IRT_PC), until(deadline), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_cond_signal(pthread_cond_t* c) {
   return condition_notify(c, 1, IRT_PC);
@@ -243,7 +248,7 @@ IRT_REDIRECTED void irt_vc__ZNSt18condition_variableC1Ev(pthread_cond_t* c) {
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variableD1Ev(pthread_cond_t*) {}
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variable4waitERSt11unique_lockISt5mutexE(
     pthread_cond_t* c, std::unique_lock<std::mutex>& held) {
-  condition_wait(c, mutex_of(held.mutex()->native_handle()), forever, IRT_PC);
+  condition_wait(c, mutex_of(held.mutex()->native_handle(), IRT_PC), forever, IRT_PC);
 }
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variable10notify_oneEv(pthread_cond_t* c) {
   condition_notify(c, 1, IRT_PC);
@@ -256,24 +261,24 @@ IRT_REDIRECTED void irt_vc__ZNSt18condition_variable10notify_allEv(pthread_cond_
 
 IRT_REDIRECTED int irt_vc_sem_init(sem_t* s, int, unsigned count) {
   clear(*s, IRT_PC);
-  count_of(s) = count;
+  count_of(s, IRT_PC) = count;
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_destroy(sem_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
-  add(count_of(s), 1, IRT_PC);
+  add(count_of(s, IRT_PC), 1, IRT_PC);
   active->wake(address_of(s), 1, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_wait(sem_t* s) {
-  while (!take(count_of(s), IRT_PC)) active->wait(address_of(s), 0, forever, IRT_PC);
+  while (!take(count_of(s, IRT_PC), IRT_PC)) active->wait(address_of(s), 0, forever, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
-  if (take(count_of(s), IRT_PC)) return 0;
-  errno = EAGAIN;
+  if (take(count_of(s, IRT_PC), IRT_PC)) return 0;
+  core_errno() = EAGAIN;
   return -1;
 }
 
@@ -285,9 +290,9 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_tryrdlock(pthread_rwlock_t* l) {
-  for (std::uint32_t seen = load(word_of(l), IRT_PC); seen != writer;
-       seen = load(word_of(l), IRT_PC))
-    if (swap_if(word_of(l), seen, seen + 1, IRT_PC)) return 0;
+  for (std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC); seen != writer;
+       seen = load(word_of(l, IRT_PC), IRT_PC))
+    if (swap_if(word_of(l, IRT_PC), seen, seen + 1, IRT_PC)) return 0;
   return EBUSY;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_rdlock(pthread_rwlock_t* l) {
@@ -296,21 +301,21 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_rdlock(pthread_rwlock_t* l) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_trywrlock(pthread_rwlock_t* l) {
-  return swap_if(word_of(l), 0, writer, IRT_PC) ? 0 : EBUSY;
+  return swap_if(word_of(l, IRT_PC), 0, writer, IRT_PC) ? 0 : EBUSY;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_wrlock(pthread_rwlock_t* l) {
-  while (!swap_if(word_of(l), 0, writer, IRT_PC)) {
-    const std::uint32_t seen = load(word_of(l), IRT_PC);
+  while (!swap_if(word_of(l, IRT_PC), 0, writer, IRT_PC)) {
+    const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
     if (seen != 0) active->wait(address_of(l), seen, forever, IRT_PC);
   }
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
-  const std::uint32_t seen = load(word_of(l), IRT_PC);
+  const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
   if (seen == writer)
-    store(word_of(l), 0, IRT_PC);
+    store(word_of(l, IRT_PC), 0, IRT_PC);
   else
-    add(word_of(l), ~0U, IRT_PC);
+    add(word_of(l, IRT_PC), ~0U, IRT_PC);
   active->wake(address_of(l), everybody, IRT_PC);
   return 0;
 }
@@ -325,6 +330,7 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_destroy(pthread_barrier_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
+  ask(b, sizeof *b, IRT_PC);
   Barrier& barrier = *reinterpret_cast<Barrier*>(b);
   const std::uint32_t round = load(barrier.round, IRT_PC);
   if (add(barrier.missing, ~0U, IRT_PC) == 1) {
@@ -387,10 +393,10 @@ IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
       case Wake::woken:
         return 0;
       case Wake::value_differs:
-        errno = EAGAIN;
+        core_errno() = EAGAIN;
         return -1;
       case Wake::timed_out:
-        errno = ETIMEDOUT;
+        core_errno() = ETIMEDOUT;
         return -1;
     }
   }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <sys/mman.h>
+#include <utility>
 
 #include "stress/virtual_cores/internal.hpp"
 
@@ -45,6 +46,7 @@ ExceptionState* exception_state = nullptr;
 struct alignas(64) Fiber {
   fibers::fcontext_t context;  ///< the top of its stack
   ExceptionState exceptions;
+  Asked asked;
   void (*entry)(void*);
   void* argument;
   bool fresh;  ///< was never switched to
@@ -68,8 +70,8 @@ struct Cores::State {
     Fiber& to = core == host ? outside : fibers[core];
     here = &to;
     current_core = core;
-    from.exceptions = *exception_state;
-    *exception_state = to.exceptions;
+    from.exceptions = std::exchange(*exception_state, to.exceptions);
+    from.asked = std::exchange(asked, to.asked);
     if (to.fresh) {
       to.fresh = false;
       arrive(fibers::jump_fcontext(to.context, &from));
@@ -132,7 +134,7 @@ Cores::~Cores() {
 void Cores::arm(unsigned core, void (*entry)(void*), void* argument) {
   forget_thread_locals(core);
   Fiber& fiber = state_->fibers[core];
-  fiber = {nullptr, {}, entry, argument, true};
+  fiber = {nullptr, {}, {}, entry, argument, true};
   fiber.context =
       fibers::make_fcontext(reinterpret_cast<void*>(stack_of(core) + state_->stack_bytes),
                             state_->stack_bytes, State::begin);

@@ -8,6 +8,10 @@
 
 using irt::virtual_cores::Access;
 using irt::virtual_cores::active;
+using irt::virtual_cores::address_of;
+using irt::virtual_cores::announce_read;
+using irt::virtual_cores::announce_write;
+using irt::virtual_cores::ask;
 using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;
 using irt::virtual_cores::Registers;
@@ -19,6 +23,8 @@ __attribute__((visibility("hidden"))) Registers irt_vc_registers;
 }
 
 namespace irt::virtual_cores {
+Asked asked;
+
 const Registers& registers() {
   return irt_vc_registers;
 }
@@ -35,10 +41,6 @@ using u32 = std::uint32_t;
 using u64 = std::uint64_t;
 using u128 = Value;
 
-std::uintptr_t address_of(const volatile void* pointer) {
-  return reinterpret_cast<std::uintptr_t>(pointer);
-}
-
 // Compilers may add flags above the order itself.
 Order order_of(int order) {
   return static_cast<Order>(order & 7);
@@ -46,6 +48,7 @@ Order order_of(int order) {
 
 template <class T>
 Access access_to(const volatile T* object, int order, const void* pc) {
+  ask(object, sizeof(T), pc);
   return {address_of(object), sizeof(T), order_of(order), pc};
 }
 
@@ -56,12 +59,12 @@ Access access_to(const volatile T* object, int order, const void* pc) {
 #define IRT_BODY extern "C" __attribute__((visibility("hidden"), used))
 
 // Plain accesses of every size, aligned or not, volatile or not.
-#define IRT_PLAIN(prefix, size)                       \
-  IRT_HOOK __tsan_##prefix##read##size(void* p) {     \
-    active->plain_read(address_of(p), size, IRT_PC);  \
-  }                                                   \
-  IRT_HOOK __tsan_##prefix##write##size(void* p) {    \
-    active->plain_write(address_of(p), size, IRT_PC); \
+#define IRT_PLAIN(prefix, size)                    \
+  IRT_HOOK __tsan_##prefix##read##size(void* p) {  \
+    announce_read(p, size, IRT_PC);                \
+  }                                                \
+  IRT_HOOK __tsan_##prefix##write##size(void* p) { \
+    announce_write(p, size, IRT_PC);               \
   }
 #define IRT_PLAIN_ALL(prefix) \
   IRT_PLAIN(prefix, 1)        \
@@ -75,18 +78,25 @@ IRT_PLAIN_ALL(volatile_)
 IRT_PLAIN_ALL(unaligned_volatile_)
 
 IRT_HOOK __tsan_read_range(void* p, std::size_t size) {
-  active->plain_read(address_of(p), size, IRT_PC);
+  announce_read(p, size, IRT_PC);
 }
 IRT_HOOK __tsan_write_range(void* p, std::size_t size) {
-  active->plain_write(address_of(p), size, IRT_PC);
+  announce_write(p, size, IRT_PC);
 }
 IRT_HOOK __tsan_vptr_read(void** p) {
-  active->plain_read(address_of(p), sizeof *p, IRT_PC);
+  announce_read(p, sizeof *p, IRT_PC);
 }
 IRT_HOOK __tsan_vptr_update(void** p, void* value) {
   // Constructors and destructors of bases rewrite the same pointer; only a change is a write.
-  if (*p != value) active->plain_write(address_of(p), sizeof *p, IRT_PC);
+  if (*p != value) announce_write(p, sizeof *p, IRT_PC);
 }
+// Clang from 16 on calls these instead of the C library's functions.
+extern "C" void* irt_vc_memcpy(void* to, const void* from, std::size_t size);
+extern "C" void* irt_vc_memmove(void* to, const void* from, std::size_t size);
+extern "C" void* irt_vc_memset(void* to, int byte, std::size_t size);
+asm(".globl __tsan_memcpy, __tsan_memmove, __tsan_memset\n"
+    ".set __tsan_memcpy, irt_vc_memcpy\n.set __tsan_memmove, irt_vc_memmove\n"
+    ".set __tsan_memset, irt_vc_memset");
 IRT_HOOK __tsan_func_entry(void* call_site) {
   active->enter_function(call_site);
 }

@@ -11,6 +11,40 @@ namespace irt::virtual_cores {
 /// Who is asked: the tenant while cores run, the defaults otherwise (constructors of globals).
 extern Tenant* active;
 
+/// Memory that the code has asked for, by a hook or by a function that reads or writes it on the
+/// code's behalf.
+struct Place {
+  std::uintptr_t address = 0;
+  std::size_t size = 0;
+  const void* pc = nullptr;
+};
+/// The last two of the core in progress: copies and comparisons have two. A fault there is the
+/// code's (faults.cpp).
+struct Asked {
+  Place last, before;
+};
+extern Asked asked;
+
+inline std::uintptr_t address_of(const volatile void* pointer) {
+  return reinterpret_cast<std::uintptr_t>(pointer);
+}
+inline void ask(const volatile void* place, std::size_t size, const void* pc) {
+  asked.before = asked.last;
+  asked.last = {address_of(place), size, pc};
+}
+/// Announces a plain access that the code at `pc` makes, by itself or through the runtime.
+inline void announce_read(const volatile void* place, std::size_t size, const void* pc) {
+  ask(place, size, pc);
+  active->plain_read(asked.last.address, size, pc);
+}
+inline void announce_write(const volatile void* place, std::size_t size, const void* pc) {
+  ask(place, size, pc);
+  active->plain_write(asked.last.address, size, pc);
+}
+
+/// errno of the core in progress (thread_locals.cpp).
+int& core_errno();
+
 /// Says that the next atomic operation is the runtime's own (hooks.cpp).
 void forget_registers();
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <cxxabi.h>
 #include <dlfcn.h>
@@ -7,8 +6,8 @@
 #include <link.h>
 #include <memory>
 #include <stdexcept>
-#include <string_view>
 
+#include "stress/virtual_cores/harmless.hpp"
 #include "stress/virtual_cores/internal.hpp"
 
 // Memory is known by its address here.
@@ -45,25 +44,6 @@ std::string demangled(const char* name) {
   const std::unique_ptr<char, void (*)(void*)> text(
       abi::__cxa_demangle(name, nullptr, nullptr, &status), std::free);
   return status == 0 ? text.get() : name;
-}
-
-// Outside functions whose effects the code cannot observe through shared memory: the machinery of
-// exceptions and types, pure functions, and the calls that end the run.
-bool is_harmless(std::string_view name) {
-  static constexpr std::array prefixes{
-      std::string_view("__tsan_"),   std::string_view("irt_vc_"), std::string_view("__cxa_"),
-      std::string_view("_Unwind_"),  std::string_view("_ZTI"),    std::string_view("_ZTV"),
-      std::string_view("_ZTS"),      std::string_view("_ZSt"),    std::string_view("__gxx_"),
-      std::string_view("_ITM_"),     std::string_view("__gmon_"), std::string_view("__gcc_"),
-      std::string_view("__dso_"),    std::string_view("str"),     std::string_view("__errno"),
-      std::string_view("__dynamic"), std::string_view("__stack_")};
-  static constexpr std::array parts{std::string_view("exception"), std::string_view("error"),
-                                    std::string_view("bad_"), std::string_view("6thread6_State")};
-  return std::any_of(prefixes.begin(), prefixes.end(),
-                     [name](std::string_view prefix) { return name.starts_with(prefix); }) ||
-         std::any_of(parts.begin(), parts.end(), [name](std::string_view part) {
-           return name.find(part) != std::string_view::npos;
-         });
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // The C library as instrumented code sees it: each name of redirected.syms, with `irt_vc_` before
-// it. Memory goes to the tenant's heap, time is the tenant's, copying is announced as accesses.
+// it. Memory goes to the tenant's heap, time and chance are the tenant's. What works on bytes is in
+// strings.cpp, what sleeps in blocking.cpp.
 
 #include <cerrno>
 #include <chrono>
@@ -18,6 +19,8 @@
 #include "stress/virtual_cores/internal.hpp"
 
 using irt::virtual_cores::active;
+using irt::virtual_cores::announce_read;
+using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 
 #define IRT_PC __builtin_return_address(0)
@@ -29,10 +32,6 @@ using irt::virtual_cores::current_core;
 namespace {
 
 constexpr std::size_t default_alignment = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
-
-std::uintptr_t address_of(const void* pointer) {
-  return reinterpret_cast<std::uintptr_t>(pointer);
-}
 
 void* allocate_or_throw(std::size_t size, std::size_t alignment, const void* pc) {
   void* block = active->allocate(size, alignment, pc);
@@ -55,15 +54,15 @@ IRT_REDIRECTED void irt_vc_free(void* block) {
 IRT_REDIRECTED void* irt_vc_calloc(std::size_t count, std::size_t size) {
   void* block = active->allocate(count * size, default_alignment, IRT_PC);
   if (block == nullptr || count * size == 0) return block;
-  active->plain_write(address_of(block), count * size, IRT_PC);
+  announce_write(block, count * size, IRT_PC);
   return std::memset(block, 0, count * size);
 }
 IRT_REDIRECTED void* irt_vc_realloc(void* block, std::size_t size) {
   void* grown = active->allocate(size, default_alignment, IRT_PC);
   if (block == nullptr || grown == nullptr) return grown;
   const std::size_t kept = std::min(size, active->block_size(block));
-  active->plain_read(address_of(block), kept, IRT_PC);
-  active->plain_write(address_of(grown), kept, IRT_PC);
+  announce_read(block, kept, IRT_PC);
+  announce_write(grown, kept, IRT_PC);
   std::memcpy(grown, block, kept);
   active->release(block, IRT_PC);
   return grown;
@@ -124,30 +123,6 @@ IRT_DELETE(_ZdlPvSt11align_val_tRKSt9nothrow_t, std::size_t, const void*)
 IRT_DELETE(_ZdaPvSt11align_val_tRKSt9nothrow_t, std::size_t, const void*)
 #undef IRT_DELETE
 
-IRT_REDIRECTED void* irt_vc_memcpy(void* to, const void* from, std::size_t size) {
-  if (size == 0) return to;
-  active->plain_read(address_of(from), size, IRT_PC);
-  active->plain_write(address_of(to), size, IRT_PC);
-  return std::memcpy(to, from, size);
-}
-IRT_REDIRECTED void* irt_vc_memmove(void* to, const void* from, std::size_t size) {
-  if (size == 0) return to;
-  active->plain_read(address_of(from), size, IRT_PC);
-  active->plain_write(address_of(to), size, IRT_PC);
-  return std::memmove(to, from, size);
-}
-IRT_REDIRECTED void* irt_vc_memset(void* to, int byte, std::size_t size) {
-  if (size == 0) return to;
-  active->plain_write(address_of(to), size, IRT_PC);
-  return std::memset(to, byte, size);
-}
-IRT_REDIRECTED int irt_vc_memcmp(const void* a, const void* b, std::size_t size) {
-  if (size == 0) return 0;
-  active->plain_read(address_of(a), size, IRT_PC);
-  active->plain_read(address_of(b), size, IRT_PC);
-  return std::memcmp(a, b, size);
-}
-
 // libstdc++ counts shared_ptr references without atomics while this is not zero.
 extern "C" __attribute__((visibility("default"))) char irt_vc___libc_single_threaded;
 char irt_vc___libc_single_threaded = 0;
@@ -173,10 +148,22 @@ IRT_REDIRECTED __attribute__((noreturn)) void irt_vc__ZSt21__glibcxx_assert_fail
                      std::to_string(line) + ", " + function + ")",
                  IRT_PC);
 }
-IRT_REDIRECTED __attribute__((noreturn)) void irt_vc_exit(int) {
-  active->failed("exit() was called", IRT_PC);
+#define IRT_EXIT(name)                                               \
+  IRT_REDIRECTED __attribute__((noreturn)) void irt_vc_##name(int) { \
+    active->failed(#name "() was called", IRT_PC);                   \
+  }
+IRT_EXIT(exit)
+IRT_EXIT(_exit)
+IRT_EXIT(_Exit)
+IRT_EXIT(quick_exit)
+#undef IRT_EXIT
+// What is to run at the end of the process would run after the last core is gone.
+IRT_REDIRECTED int irt_vc_atexit(void (*)()) {
+  return 0;
 }
-// Destructors of function-local statics would run after the last core is gone.
+IRT_REDIRECTED int irt_vc_at_quick_exit(void (*)()) {
+  return 0;
+}
 IRT_REDIRECTED int irt_vc___cxa_atexit(void (*)(void*), void*, void*) {
   return 0;
 }
@@ -197,18 +184,29 @@ timespec timespec_of(std::int64_t time) {
 }  // namespace
 
 IRT_REDIRECTED int irt_vc_clock_gettime(clockid_t, timespec* time) {
+  announce_write(time, sizeof *time, IRT_PC);
   *time = timespec_of(active->now());
   return 0;
 }
+IRT_REDIRECTED int irt_vc_timespec_get(timespec* time, int base) {
+  announce_write(time, sizeof *time, IRT_PC);
+  *time = timespec_of(active->now());
+  return base;
+}
 IRT_REDIRECTED int irt_vc_gettimeofday(timeval* time, void*) {
+  announce_write(time, sizeof *time, IRT_PC);
   const std::int64_t now = active->now();
   *time = {now / second, now % second / 1000};
   return 0;
 }
 IRT_REDIRECTED std::time_t irt_vc_time(std::time_t* time) {
   const std::time_t now = active->now() / second;
-  if (time != nullptr) *time = now;
-  return now;
+  if (time == nullptr) return now;
+  announce_write(time, sizeof *time, IRT_PC);
+  return *time = now;
+}
+IRT_REDIRECTED std::clock_t irt_vc_clock() {
+  return active->now() / 1000;
 }
 IRT_REDIRECTED std::int64_t irt_vc__ZNSt6chrono3_V212steady_clock3nowEv() {
   return active->now();
@@ -220,7 +218,7 @@ IRT_REDIRECTED int irt_vc_sched_yield() {
   active->yield(IRT_PC);
   return 0;
 }
-// What pause.hpp makes of the instruction `pause`: leaves every register as it was.
+// What prelude.hpp makes of the instruction `pause`: leaves every register as it was.
 extern "C" __attribute__((visibility("hidden"), used)) void irt_vc_note_pause() {
   active->pause();
 }

@@ -100,6 +100,12 @@ void* block_of(const void* key, Describe describe) {
 
 }  // namespace
 
+int& core_errno() {
+  static const char key = 0;
+  return *static_cast<int*>(block_of(
+      &key, [] { return Image{.module = 0, .size = sizeof(int), .alignment = alignof(int)}; }));
+}
+
 void forget_thread_locals(unsigned core) {
   Core& state = core_state(core);
   for (Block& block : state.blocks) block.fresh = false;
@@ -151,6 +157,10 @@ IRT_REDIRECTED void* irt_vc___emutls_get_address(const EmulatedVariable* variabl
                  .size = variable->size,
                  .alignment = variable->alignment};
   });
+}
+
+IRT_REDIRECTED int* irt_vc___errno_location() {
+  return &core_errno();
 }
 
 IRT_REDIRECTED int irt_vc___cxa_thread_atexit(void (*destructor)(void*), void* object, void*) {

@@ -19,7 +19,9 @@
 /// process hosts one `Cores::run` at a time. Spread work over processes, not threads.
 ///
 /// Not seen: inline assembly, SIMD intrinsics that store past the sanitizer, and compiled
-/// libraries that the module calls (`Module::unseen_calls` names these).
+/// libraries that the module calls (`Module::unseen_calls` names these). What the C++ library
+/// compiles for containers, strings, memory resources and futures is seen: a module has its own
+/// instrumented copy, by templates or from `library/`.
 #pragma once
 
 #include <cstddef>
@@ -216,7 +218,8 @@ class Module {
   /// Whether `address` is in the module's global variables.
   bool owns_global(std::uintptr_t address) const;
 
-  /// Functions outside the module that it calls and nobody observes, demangled.
+  /// Functions outside the module that it calls, that may touch shared memory and that nobody
+  /// observes, demangled; also tables of virtual functions and objects outside.
   std::vector<std::string> unseen_calls() const;
 
   const std::string& file() const;

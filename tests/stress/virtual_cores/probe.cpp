@@ -3,12 +3,26 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+// The code is what is shipped, not what libraries keep for the thread sanitizer.
+#if defined(__SANITIZE_THREAD__) || (defined(_GLIBCXX_TSAN) && _GLIBCXX_TSAN)
+#error "virtual cores: the code is told that the thread sanitizer is on"
+#endif
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer) || __has_feature(__thread_sanitizer__)
+#error "virtual cores: the code is told that the thread sanitizer is on"
+#elif !__has_feature(cxx_exceptions)
+#error "virtual cores: the code is not told what the compiler can do"
+#endif
+#endif
 
 namespace {
 
@@ -126,8 +140,17 @@ void irt_throw() {
   throw std::runtime_error("thrown by the probe");
 }
 
+// Compiled code, and nobody sees what it does.
+bool irt_elsewhere(int* numbers, std::size_t count) {
+  std::qsort(numbers, count, sizeof *numbers, [](const void* a, const void* b) {
+    return *static_cast<const int*>(a) - *static_cast<const int*>(b);
+  });
+  return std::get_terminate() != nullptr;
+}
+
 std::shared_ptr<int>* irt_share() {
-  return new std::shared_ptr<int>(std::make_shared<int>(3));
+  const auto first = std::make_shared<int>(3);
+  return new std::shared_ptr<int>(first);
 }
 void irt_unshare(const std::shared_ptr<int>* shared) {
   delete shared;

@@ -1,0 +1,38 @@
+/// Included before everything in code for virtual cores, where the code is what is shipped but for
+/// what follows.
+///
+/// The instruction `pause`, from whatever intrinsic or assembly, becomes a call of the runtime
+/// (redirected.cpp) that leaves every register as it was. GCC writes it as `rep nop`. The red zone
+/// below the stack pointer is the code's. Clang does not send its intrinsics through the assembler,
+/// so that there `pause` stays itself.
+///
+/// Nothing says that the thread sanitizer is on: libraries choose other code by that, also the C++
+/// library (`shared_ptr`). GCC's macro is undefined on the command line; Clang is asked by
+/// `__has_feature`, which answers here as `__has_extension` does for everything else.
+#pragma once
+
+#if !defined(__clang__)
+asm(".macro pause\n"
+    "  leaq -128(%rsp), %rsp\n"
+    "  call irt_vc_cpu_pause@PLT\n"
+    "  leaq 128(%rsp), %rsp\n"
+    ".endm\n"
+    ".macro rep operation:vararg\n"
+    "  .ifc \\operation,nop\n"
+    "    pause\n"
+    "  .else\n"
+    "    .byte 0xf3\n"
+    "    \\operation\n"
+    "  .endif\n"
+    ".endm\n");
+#else
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wbuiltin-macro-redefined"
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
+#define __has_feature(feature) IRT_VC_SECOND(IRT_VC_NO_##feature, __has_extension(feature), 0)
+#pragma clang diagnostic pop
+#define IRT_VC_SECOND(...) IRT_VC_SECOND_OF(__VA_ARGS__)
+#define IRT_VC_SECOND_OF(first, second, ...) second
+#define IRT_VC_NO_thread_sanitizer 0, 0
+#define IRT_VC_NO___thread_sanitizer__ 0, 0
+#endif
