@@ -58,6 +58,7 @@ unsigned sleeper_count(Value sleepers) {
 
 void Execution::record(const Event& event, std::size_t choice) {
   if (phase_ != Phase::parallel) return;
+  walk_ = 0;
   steps_.push_back(
       {event.thread, static_cast<std::uint8_t>(event.kind), static_cast<std::uint16_t>(choice)});
   strategy_->added(*this, event);
@@ -120,6 +121,20 @@ void Execution::note_write(const Event& event, Value before) {
     virtual_cores::write_memory(location.address, location.size, event.written);
 }
 
+// The thread has begun to run alone: memory holds every value.
+template <class Decide, class NewValue>
+Value Execution::read_alone(const Request& request, Decide decide, NewValue new_value) {
+  if (request.address >> 63U != 0) give_up("a thread that makes too many steps waits or wakes");
+  const Value value = virtual_cores::read_memory(request.address, request.size);
+  const Meaning meaning = decide(value);
+  if (meaning == Meaning::wait) conclude_alone(true, request.pc);
+  if (meaning == Meaning::modify) {
+    alone_.note_write(request.address, request.size);
+    virtual_cores::write_memory(request.address, request.size, new_value(value));
+  }
+  return value;
+}
+
 template <class Decide, class NewValue>
 Value Execution::read_event(const Request& request, bool may_write, Decide decide,
                             NewValue new_value) {
@@ -127,6 +142,7 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
   const bool real = request.address >> 63U == 0;
   for (;;) {
     check_limit(request.pc);
+    if (phase_ == Phase::endless) return read_alone(request, decide, new_value);
     check_news(request.pc);
     if (real) check_touch(request.address, request.size, may_write, true, request.pc);
     const Part part = part_at(request.address, request.size);
@@ -228,7 +244,11 @@ void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) 
 // Outside of the threads' time everything happens before or after everything else, so that a read
 // finds what memory holds and nothing needs an event.
 void Execution::step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc) {
-  if (observed()) check_touch(address, size, writes, true, pc);
+  if (!observed()) return;
+  check_touch(address, size, writes, true, pc);
+  if (phase_ != Phase::endless && walk_ <= long_walk) return;
+  if (writes && address >> 63U == 0) alone_.note_write(address, size);
+  look_alone(pc);
 }
 
 Value Execution::load(const Access& access) {
@@ -286,6 +306,10 @@ void Execution::store(const Access& access, Value value) {
   reach(access.address, true);
   check_touch(access.address, access.size, true, true, access.pc);
   check_limit(access.pc);
+  if (phase_ == Phase::endless) {
+    alone_.note_write(access.address, access.size);
+    return Tenant::store(access, value);
+  }
   const Part part = part_at(access.address, access.size);
   const std::uint32_t id = part.location;
   const unsigned thread = cores_.current();
@@ -325,6 +349,7 @@ void Execution::fence(Order order, const void* pc) {
   if (phase_ != Phase::parallel) return;
   reach(0, false);
   check_limit(pc);
+  if (phase_ != Phase::parallel) return;
   Event& event = graph_.begin(EventKind::fence, cores_.current(),
                               order_at(pc, false, EventKind::fence, order), pc);
   graph_.finish_fence(event);
@@ -353,10 +378,10 @@ bool Execution::chosen(const void* pc) {
 void Execution::lock(std::uintptr_t address, const void* pc) {
   if (!observed()) return Tenant::lock(address, pc);
   if (alone()) {
-    if (!try_lock(address, pc))
-      report(FindingKind::deadlock, "the only thread waits at {0} for a lock that nobody releases",
-             {pc});
-    return;
+    if (try_lock(address, pc)) return;
+    if (phase_ == Phase::endless) conclude_alone(true, pc);
+    report(FindingKind::deadlock, "the only thread waits at {0} for a lock that nobody releases",
+           {pc});
   }
   reach(address, true);
   read_event(
@@ -379,6 +404,7 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
   if (phase_ != Phase::parallel) {
     if (load({address, 4, Order::acquire, pc}) != expected) return Wake::value_differs;
     if (nanoseconds >= 0) return Wake::timed_out;
+    if (phase_ == Phase::endless) conclude_alone(true, pc);
     report(FindingKind::deadlock, "the only thread sleeps at {0} and nobody is left to wake it",
            {pc});
   }

@@ -38,7 +38,6 @@ Result explore(const Options& options, Execution& execution) {
   std::uint64_t made = 0;
   SearchProgress last;
   const unsigned last_budget = options.search == Search::bounded ? options.budget : 0;
-  bool left_out = false;
   for (unsigned budget = 0; budget <= last_budget; ++budget) {
     auto strategy = make_strategy(options, budget);
     while (strategy->begin()) {
@@ -56,6 +55,7 @@ Result explore(const Options& options, Execution& execution) {
       const Outcome outcome = execution.run(*strategy);
       ++made;
       result.assumed_waits = execution.assumed_waits();
+      result.incomplete = execution.incomplete();
       if (!strategy->counted_elsewhere()) {
         ++result.executions;
         result.complete += outcome == Outcome::complete ? 1 : 0;
@@ -74,10 +74,11 @@ Result explore(const Options& options, Execution& execution) {
         result.complete = result.blocked = result.cut = 0;
       }
     }
-    left_out = left_out || strategy->left_out();
+    if (strategy->left_out() && result.incomplete.empty())
+      result.incomplete = "too many alternatives to keep in mind";
   }
-  result.finished = !left_out;
-  result.explored = left_out ? result.explored : 1;
+  result.finished = result.incomplete.empty();
+  result.explored = result.finished ? 1 : result.explored;
   result.seconds = elapsed();
   return result;
 }

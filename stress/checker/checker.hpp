@@ -66,6 +66,8 @@ struct Result {
   std::size_t assumed_waits = 0;  ///< loops taken to wait although a counter of theirs changed
   double seconds = 0;
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds
+  /// A limit that was reached, for which the search shows less than everything; else empty.
+  std::string incomplete{};
   /// Estimated part of the work that was done, from 0 to 1; 0 where nobody knows. The tree of
   /// choices is weighed, each subtree like its siblings (Kilby, Slaney, Thiebaux and Walsh 2006,
   /// "Estimating Search Tree Size"): the order is right more often than the digits.

@@ -28,7 +28,7 @@ Outcome Execution::run(Strategy& strategy) {
   steps_.clear();
   finding_.reset();
   froze_ = false;
-  stores_ = touches_ = 0;
+  stores_ = walk_ = 0;
   failed_allocations_ = 0;
   outcome_ = Outcome::complete;
   for (ThreadState& state : states_) {
@@ -70,6 +70,7 @@ Outcome Execution::run(Strategy& strategy) {
     }
     if (scenario_.finish) {
       phase_ = Phase::finish;
+      walk_ = 0;
       arm(main_, scenario_.finish);
       cores_.run(main_);
     }
@@ -126,14 +127,6 @@ std::string Execution::stalled() const {
          std::to_string(frozen_->second) + " steps, ";
 }
 
-void Execution::check_limit(const void* pc) {
-  if (graph_.thread(cores_.current()).events.size() >= limits_.events_per_thread)
-    report(frozen_ ? FindingKind::blocked_by_stalled_thread : FindingKind::livelock,
-           (frozen_ ? stalled() : "") + "a thread does not come to an end within " +
-               std::to_string(limits_.events_per_thread) + " steps; it is at {0}",
-           {pc});
-}
-
 void Execution::reach(std::uintptr_t address, bool writes) {
   ThreadState& state = me();
   if (phase_ != Phase::parallel) return;
@@ -160,6 +153,7 @@ void Execution::go_elsewhere() {
 }
 
 unsigned Execution::finished(unsigned core) {
+  if (phase_ == Phase::endless) conclude_alone(false, nullptr);
   if (phase_ != Phase::parallel) return host;
   if (core != host) states_[core].done = true;
   std::uint32_t mask = runnable();
@@ -169,15 +163,20 @@ unsigned Execution::finished(unsigned core) {
       return !s.done && s.waiting && !s.assumed && stores_ > s.waits_since;
     });
     if (goes_on) return host;
-    // Nobody else: a loop that only looked like waiting may still come to an end by itself.
-    for (unsigned thread = 0; thread < main_ && mask == 0; ++thread)
-      if (!states_[thread].done && states_[thread].assumed) {
-        states_[thread].assumed = states_[thread].waiting = false;
-        // But not by reading again and again what is old by now: that would be unfair.
-        states_[thread].fresh_reads = static_cast<std::uint32_t>(limits_.events_per_thread);
-        mask = 1U << thread;
-      }
-    if (mask == 0) return host;
+    // Nobody else: a loop that only looked like waiting may still come to an end by itself, or
+    // bring another one to its end. Who had the fewest turns is next.
+    ThreadState* next = nullptr;
+    for (unsigned thread = 0; thread < main_; ++thread) {
+      ThreadState& state = states_[thread];
+      if (state.done || !state.assumed || (next != nullptr && next->turns <= state.turns)) continue;
+      next = &state;
+      mask = 1U << thread;
+    }
+    if (next == nullptr) return host;
+    ++next->turns;
+    next->assumed = next->waiting = false;
+    // But not by reading again and again what is old by now: that would be unfair.
+    next->fresh_reads = ~std::uint32_t{0};
   }
   const unsigned next = strategy_->choose_thread(*this, mask, cores_.current());
   if (next == host) outcome_ = Outcome::cut;
@@ -205,15 +204,15 @@ Outcome Execution::after_threads() {
   for (unsigned thread = 0; thread < main_; ++thread) {
     const ThreadState& state = states_[thread];
     if (state.done) continue;
-    if (state.timed) return Outcome::blocked;
+    if (state.timed || state.assumed) return Outcome::blocked;
+    if (state.endless) continue;
     if (state.wait_location != 0) {
       const std::vector<EventId>& events = graph_.thread(thread).events;
       if (events.empty()) continue;
       const Event& last = graph_.event(events.back());
       if (last.blocked && !is_newest(source_of(last.from))) return Outcome::blocked;
-    } else {
-      for (const Visit& visit : state.visits)
-        if (visit.effects == state.effects && !is_newest(visit.from)) return Outcome::blocked;
+    } else if (!sees_newest(state)) {
+      return Outcome::blocked;
     }
   }
   explain_standstill();

@@ -9,6 +9,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "stress/checker/cycle_watch.hpp"
 #include "stress/checker/finding.hpp"
 #include "stress/checker/graph.hpp"
 #include "stress/checker/heap.hpp"
@@ -30,7 +31,10 @@ struct Scenario {
 };
 
 struct Limits {
-  std::size_t events_per_thread = 500;  ///< more is reported as a livelock
+  /// A thread that makes more ends the execution, which then proves nothing. At most 60,000.
+  std::size_t events_per_thread = 20'000;
+  /// A thread that runs alone and only counts its rounds is taken for endless after so many looks.
+  std::uint64_t looks = std::uint64_t{1} << 20U;
   /// A loop is taken to wait if it reads the same store at the same place this often in a row; and
   /// no place reads one more often while there is a newer one.
   unsigned same_reads = 20;
@@ -55,6 +59,9 @@ struct Step {
 
 class Execution final : public virtual_cores::Tenant {
  public:
+  /// After so many accesses without an event it is asked whether they ever end.
+  static constexpr std::uint64_t long_walk = 1'000'000;
+
   /// Threads of the scenario are numbered from 0; the one that prepares and finishes comes last.
   Execution(const Scenario& scenario, const Limits& limits);
 
@@ -78,6 +85,9 @@ class Execution final : public virtual_cores::Tenant {
   }
   /// What was chosen, in order.
   [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
+  /// Why the executions so far do not show everything, although the search came to its end: a limit
+  /// that was reached. Empty if none was.
+  [[nodiscard]] const std::string& incomplete() const { return incomplete_; }
   /// Loops that were taken to wait although their state changed.
   [[nodiscard]] std::size_t assumed_waits() const { return assumed_waits_; }
   [[nodiscard]] const Heap& heap() const { return heap_; }
@@ -144,7 +154,8 @@ class Execution final : public virtual_cores::Tenant {
   void on_failure(const std::string& what, const void* pc) override;
 
  private:
-  enum class Phase : std::uint8_t { idle, prepare, parallel, finish };
+  /// `endless`: one thread of `parallel` runs on by itself, to see whether it ever ends.
+  enum class Phase : std::uint8_t { idle, prepare, parallel, endless, finish };
 
   /// A load that a loop may come back to.
   struct Visit {
@@ -152,6 +163,7 @@ class Execution final : public virtual_cores::Tenant {
     EventId from = no_event;
     std::uint64_t hash = 0;
     std::uint32_t effects = 0;
+    std::uint32_t read = 0;     ///< its number among the reads of its thread
     std::uint32_t count = 0;    ///< in a row, of the same store
     std::uint32_t wait_at = 0;  ///< that many, beyond the limit
     bool hashed = false;
@@ -164,6 +176,10 @@ class Execution final : public virtual_cores::Tenant {
     bool waiting = false;
     bool assumed = false;             ///< waits only because it looked like a loop
     bool timed = false;               ///< waits with a time-out
+    bool endless = false;             ///< goes on for ever if nobody stores anything
+    std::uint32_t turns = 0;          ///< how often it went on because nobody else could
+    std::uint32_t reads = 0;          ///< so far
+    std::uint32_t round_began = 0;    ///< with this read of its own, when it waits in a loop
     std::uint32_t wait_location = 0;  ///< plus one; 0: any store
     std::uint64_t waits_since = 0;    ///< stores in the execution by then
     std::uintptr_t pending = 0;
@@ -198,6 +214,8 @@ class Execution final : public virtual_cores::Tenant {
     bool silent = false;  ///< see Event
   };
   template <class Decide, class NewValue>
+  Value read_alone(const Request& request, Decide decide, NewValue new_value);
+  template <class Decide, class NewValue>
   Value read_event(const Request& request, bool may_write, Decide decide, NewValue new_value);
 
   [[noreturn]] void stop(Outcome outcome);
@@ -220,6 +238,12 @@ class Execution final : public virtual_cores::Tenant {
     return address - stacks_[cores_.current()] < stack_bytes_;
   }
   void check_limit(const void* pc);
+  void give_up(std::string why);
+  void look_alone(const void* pc);
+  void check_walk(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
+                  const void* pc);
+  void conclude_alone(bool endless, const void* pc);
+  [[nodiscard]] bool sees_newest(const ThreadState& state) const;
   void check_news(const void* pc);
   void note_news(EventId from);
   [[nodiscard]] std::string stalled() const;
@@ -233,7 +257,9 @@ class Execution final : public virtual_cores::Tenant {
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ != Phase::idle; }
   /// Before and after the threads, when there is no order to choose and memory holds every value.
-  bool alone() const { return phase_ == Phase::prepare || phase_ == Phase::finish; }
+  bool alone() const {
+    return phase_ == Phase::prepare || phase_ == Phase::finish || phase_ == Phase::endless;
+  }
   void step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc);
 
   static Execution* running;
@@ -250,8 +276,11 @@ class Execution final : public virtual_cores::Tenant {
   std::vector<Step> steps_;
   std::optional<Finding> finding_;
   std::uint64_t stores_ = 0;
-  std::uint64_t touches_ = 0;  ///< accesses of any kind in this execution
+  std::uint64_t walk_ = 0;  ///< accesses to memory since the last event, or since the phase began
   std::size_t assumed_waits_ = 0;
+  std::string incomplete_;
+  CycleWatch alone_;         ///< of the thread that runs alone
+  std::uint64_t looks_ = 0;  ///< of that thread
   unsigned failed_allocations_ = 0;
   std::vector<ReadOption> options_;
   std::vector<std::size_t> places_;

@@ -59,10 +59,19 @@ std::vector<std::string> queue_names() {
 
 json to_json(const checker::ShapeResult& s) {
   const checker::Result& r = s.result;
-  json j{{"shape", s.shape},       {"search", s.search},       {"executions", r.executions},
-         {"complete", r.complete}, {"blocked", r.blocked},     {"inconsistent", r.cut},
-         {"seconds", r.seconds},   {"finished", r.finished},   {"proved", s.proved},
-         {"explored", r.explored}, {"histories", s.histories}, {"assumed_waits", r.assumed_waits}};
+  json j{{"shape", s.shape},
+         {"search", s.search},
+         {"executions", r.executions},
+         {"complete", r.complete},
+         {"blocked", r.blocked},
+         {"inconsistent", r.cut},
+         {"seconds", r.seconds},
+         {"finished", r.finished},
+         {"proved", s.proved},
+         {"incomplete", r.incomplete},
+         {"explored", r.explored},
+         {"histories", s.histories},
+         {"assumed_waits", r.assumed_waits}};
   if (r.finding) {
     j["finding"] = {{"kind", name_of(r.finding->kind)}, {"report", s.report}};
     j["schedule"] = to_string(r.schedule);

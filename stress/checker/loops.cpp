@@ -1,14 +1,18 @@
 // Loops that wait: known by their state, or taken for such after many rounds.
 
 #include <algorithm>
+#include <fmt/format.h>
 
 #include "stress/checker/execution.hpp"
 
 namespace irt::checker {
 
+using virtual_cores::host;
+
 // A loop that comes back to a load with the same registers and the same stack, having written
 // nothing and read the same stores, will do so forever, until somebody writes. That is known for
-// sure. A loop that carries a counter is only assumed to wait, after many rounds.
+// sure. A loop that carries a counter is only assumed to wait, after many rounds: it goes on when
+// nobody else can, each in turn, until it ends or is seen to be endless.
 
 std::uint64_t Execution::hash_of_core() const {
   const virtual_cores::Registers& r = virtual_cores::registers();
@@ -47,15 +51,11 @@ void Execution::check_loop(const void* pc) {
   // A loop that writes may do so for a purpose, and is given more time.
   const std::uint32_t patience = (repeats ? 1 : 4) * limits_.same_reads + visit->wait_at;
   if (!certain && visit->count < patience) return;
-  if (strategy_->resumes_waiting()) {
-    const bool stale = std::any_of(state.visits.begin(), state.visits.end(), [&](const Visit& v) {
-      return v.effects == state.effects && !is_newest(v.from);
-    });
-    if (stale && !visit->refreshed) {
-      visit->refreshed = true;
-      state.fresh_reads = static_cast<std::uint32_t>(state.visits.size());
-      return;
-    }
+  state.round_began = visit->read;
+  if (strategy_->resumes_waiting() && !sees_newest(state) && !visit->refreshed) {
+    visit->refreshed = true;
+    state.fresh_reads = state.reads - state.round_began + 1;
+    return;
   }
   if (!certain) {
     state.assumed = true;
@@ -80,6 +80,14 @@ bool Execution::is_newest(EventId store) const {
   return source_of(graph_.location(graph_.event(store).location).stores.back()) == store;
 }
 
+// What a loop read before its last round no longer matters to it: only what the round itself read
+// can let it go on.
+bool Execution::sees_newest(const ThreadState& state) const {
+  return std::all_of(state.visits.begin(), state.visits.end(), [&](const Visit& v) {
+    return v.read < state.round_began || is_newest(v.from);
+  });
+}
+
 void Execution::note_visit(const void* pc, EventId from) {
   if (phase_ != Phase::parallel) return;
   from = source_of(from);
@@ -98,6 +106,7 @@ void Execution::note_visit(const void* pc, EventId from) {
   visit->hash = state.entry_hash;
   visit->from = from;
   visit->effects = state.effects;
+  visit->read = ++state.reads;
   ++visit->count;
 }
 
@@ -110,6 +119,9 @@ void Execution::check_news(const void* pc) {
       strategy_->expects_more(cores_.current()))
     return;
   state.news_since = events;
+  const auto visit = std::find_if(state.visits.begin(), state.visits.end(),
+                                  [pc](const Visit& v) { return v.pc == pc; });
+  state.round_began = visit != state.visits.end() ? visit->read : state.reads + 1;
   state.assumed = true;
   ++assumed_waits_;
   wait_here(0, pc);
@@ -123,6 +135,82 @@ void Execution::note_news(EventId from) {
     return;
   state.newest_read = from;
   state.news_since = graph_.thread(cores_.current()).events.size();
+}
+
+// --- Limits, and code that runs alone ---------------------------------------------------------
+
+void Execution::give_up(std::string why) {
+  if (incomplete_.empty()) incomplete_ = std::move(why);
+  stop(Outcome::cut);
+}
+
+// A thread that has made too many steps makes no more that count. If the others may still change
+// something they come first; if none of them can, it runs on by itself, unobserved, and is endless
+// or not.
+void Execution::check_limit(const void* pc) {
+  const unsigned thread = cores_.current();
+  const auto used_up = [this](unsigned t) {
+    return graph_.thread(t).events.size() >= limits_.events_per_thread;
+  };
+  if (phase_ != Phase::parallel || !used_up(thread)) return;
+  ThreadState& state = states_[thread];
+  bool others_could = false;
+  bool others_may = false;
+  for (unsigned other = 0; other < main_; ++other) {
+    const ThreadState& o = states_[other];
+    if (other == thread || o.done || (o.waiting && !o.assumed)) continue;
+    others_may = true;
+    others_could = others_could || !used_up(other);
+  }
+  if (others_could) {
+    state.assumed = true;
+    state.round_began = 0;
+    wait_here(0, pc);
+    return check_limit(pc);
+  }
+  if (others_may || strategy_->expects_more(thread))
+    give_up(fmt::format("a thread makes more than {} steps", limits_.events_per_thread));
+  phase_ = Phase::endless;
+  alone_.begin();
+  looks_ = 0;
+}
+
+void Execution::conclude_alone(bool endless, const void* pc) {
+  if (phase_ != Phase::endless)
+    report(FindingKind::livelock,
+           "the only thread loops at {0} for ever: it comes back to the state that it was in",
+           {pc});
+  const auto shared = [this](std::uintptr_t address) {
+    return heap_.cell(address).toucher != cores_.current() + 1;
+  };
+  if (!endless || !alone_.restored(shared))
+    give_up(fmt::format("a thread makes more than {} steps", limits_.events_per_thread));
+  phase_ = Phase::parallel;
+  ThreadState& state = me();
+  state.endless = state.waiting = true;
+  state.assumed = false;
+  state.wait_location = 0;
+  state.wait_pc = pc;
+  cores_.switch_to(host);
+}
+
+// Called at each read of the only thread.
+void Execution::look_alone(const void* pc) {
+  ++looks_;
+  if (virtual_cores::registers().stack_pointer != 0 &&
+      alone_.repeats(hash_of_core() ^ reinterpret_cast<std::uintptr_t>(pc)))
+    conclude_alone(true, pc);
+  if (looks_ <= limits_.looks) return;
+  if (phase_ == Phase::endless) conclude_alone(true, pc);
+  if (alone_.restored([](std::uintptr_t) { return true; }))
+    report(
+        FindingKind::livelock,
+        fmt::format("the only thread loops at {{0}}: in {} looks nothing but counters of its own "
+                    "has changed",
+                    looks_),
+        {pc});
+  alone_.begin();
+  looks_ = 0;
 }
 
 }  // namespace irt::checker

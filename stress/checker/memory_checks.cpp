@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fmt/format.h>
 
 #include "stress/checker/execution.hpp"
 
@@ -12,6 +13,8 @@ namespace irt::checker {
 
 namespace {
 
+constexpr std::uint64_t longest_walk = 200'000'000;
+
 const char* verb(bool writes) {
   return writes ? "write" : "read";
 }
@@ -20,11 +23,7 @@ const char* verb(bool writes) {
 
 void Execution::check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                             const void* pc) {
-  constexpr std::uint64_t most = 1'000'000;
-  if (++touches_ > most)
-    report(FindingKind::livelock,
-           "no end within " + std::to_string(most) + " accesses to memory; a thread is at {0}",
-           {pc});
+  if (++walk_ > long_walk) check_walk(address, size, writes, atomic, pc);
   // Only what threads do at the same time can race.
   const bool shared = phase_ == Phase::parallel;
   if (!shared && !heap_.owns(address)) return;
@@ -60,6 +59,28 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
            "{1}",
            {pc, heap_.find(address)->allocated_at});
   }
+}
+
+// After so many accesses without an event it is time to ask whether they ever end. For plain ones
+// nothing is known of the code's registers, so that it must come by the same place and address,
+// with memory as it was, as often as a loop may look.
+void Execution::check_walk(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
+                           const void* pc) {
+  if (walk_ == long_walk + 1) {
+    alone_.begin();
+    looks_ = 0;
+  }
+  if (walk_ > longest_walk)
+    give_up(
+        fmt::format("an execution makes more than {} accesses between two steps", longest_walk));
+  if (writes) {
+    if (!on_own_stack(address)) alone_.note_write(address, size);
+    return;
+  }
+  if (atomic || !alone_.repeats(address ^ reinterpret_cast<std::uintptr_t>(pc))) return;
+  if (++looks_ > limits_.looks)
+    report(FindingKind::livelock, "the plain read at {0} is repeated for ever: nothing changes",
+           {pc});
 }
 
 void Execution::check_race(const Cell& cell, const Touch& touch) {
@@ -114,11 +135,14 @@ void Execution::plain_write(std::uintptr_t address, std::size_t size, const void
     return;
   }
   ++me().effects;
+  if (phase_ == Phase::endless) alone_.note_write(address, size);
   check_touch(address, size, true, false, pc);
 }
 
 void* Execution::allocate(std::size_t size, std::size_t alignment, const void* pc) {
   if (!observed()) return Tenant::allocate(size, alignment, pc);
+  if (phase_ == Phase::endless) conclude_alone(false, pc);
+  alone_.begin();
   ++me().effects;
   const unsigned thread = cores_.current();
   if (failed_allocations_ < limits_.failing_allocations && chosen(pc)) {
@@ -137,6 +161,8 @@ void* Execution::allocate(std::size_t size, std::size_t alignment, const void* p
 void Execution::release(void* pointer, const void* pc) {
   const auto address = reinterpret_cast<std::uintptr_t>(pointer);
   if (!heap_.owns(address)) return Tenant::release(pointer, pc);
+  if (phase_ == Phase::endless) conclude_alone(false, pc);
+  alone_.begin();
   const unsigned thread = cores_.current();
   Block* block = heap_.find(address);
   if (block == nullptr || block->address != address)

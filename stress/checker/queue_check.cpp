@@ -75,6 +75,8 @@ void say(const ShapeResult& s) {
     verdict = s.proved ? "proved" : "explored whole, not proved: " + s.unproved;
   else if (r.finished)
     verdict = "nothing within the bound";
+  else if (!r.incomplete.empty())
+    verdict = "not proved: " + r.incomplete;
   fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}\n", s.shape,
              s.search, r.executions, r.seconds, s.histories, verdict);
   std::fflush(stdout);
@@ -191,6 +193,7 @@ class QueueCheck {
     shape.result.complete += before.complete;
     shape.result.blocked += before.blocked;
     shape.result.cut += before.cut;
+    if (shape.result.incomplete.empty()) shape.result.incomplete = before.incomplete;
     shape.result.seconds += before.seconds;
     shape.histories = std::max(shape.histories, client.histories());
     if (!shape.result.finding || !settings_.reports) return;

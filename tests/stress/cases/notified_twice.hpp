@@ -1,0 +1,80 @@
+/// pingcap/tiflash#3647 (2021): who waits stands in a line and takes itself out when it has run;
+/// two pushes before that notify the same one, and the second in line sleeps on. pop() parks until
+/// `close_word` was pushed.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string_view>
+
+#include "queues/word.hpp"
+#include "queues/work_queue.hpp"
+
+namespace irt {
+
+template <class T, bool Fixed>
+class NotifiedTwice_ {
+ public:
+  static constexpr std::string_view summary = "a line of waiters; pop parks (tiflash#3647)";
+  static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
+
+  NotifiedTwice_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+
+  bool push(unsigned /*worker*/, T task) {
+    const std::lock_guard lock(mutex_);
+    if (word_of(task) == ~std::uint64_t{1}) {
+      closed_ = true;
+      for (Waiter* waiter : line_) waiter->wake();
+      return true;
+    }
+    held_.push_back(task);
+    if (line_.empty()) return true;
+    line_.front()->wake();
+    if (Fixed) line_.pop_front();
+    return true;
+  }
+
+  bool pop(unsigned /*worker*/, T& task) {
+    std::unique_lock lock(mutex_);
+    while (held_.empty() && !closed_) {
+      Waiter self;
+      line_.push_back(&self);
+      self.changed.wait(lock, [&] { return self.woken; });
+      std::erase(line_, &self);
+    }
+    if (held_.empty()) return false;
+    task = held_.front();
+    held_.pop_front();
+    return true;
+  }
+
+ private:
+  struct Waiter {
+    void wake() {
+      woken = true;
+      changed.notify_one();
+    }
+    bool woken = false;
+    std::condition_variable changed;
+  };
+
+  std::mutex mutex_;
+  std::deque<T> held_;
+  std::deque<Waiter*>
+      line_;  // not std::list: half of it is compiled code, which the checker does not see
+  bool closed_ = false;
+};
+
+template <class T>
+class NotifiedTwiceBug : public NotifiedTwice_<T, false> {
+  using NotifiedTwice_<T, false>::NotifiedTwice_;
+};
+template <class T>
+class NotifiedTwiceFixed : public NotifiedTwice_<T, true> {
+  using NotifiedTwice_<T, true>::NotifiedTwice_;
+};
+
+}  // namespace irt

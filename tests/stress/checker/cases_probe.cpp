@@ -1,0 +1,51 @@
+// The queues of tests/stress/cases on virtual cores.
+
+#include "tests/stress/cases/call_result.hpp"
+#include "tests/stress/cases/failed_growth.hpp"
+#include "tests/stress/cases/healthy.hpp"
+#include "tests/stress/cases/narrow_index.hpp"
+#include "tests/stress/cases/notified_twice.hpp"
+#include "tests/stress/cases/one_short.hpp"
+#include "tests/stress/cases/sanitizer_macro.hpp"
+#include "tests/stress/cases/shared_line.hpp"
+#include "tests/stress/cases/unpublished.hpp"
+#include "tests/stress/cases/waits_for_recycled.hpp"
+
+namespace {
+
+constexpr irt::QueueEntry entries[] = {
+    irt::queue_entry<irt::WaitsForRecycledBug>("waits-for-recycled-bug"),
+    irt::queue_entry<irt::WaitsForRecycledCountedBug>("waits-for-recycled-counted-bug"),
+    irt::queue_entry<irt::WaitsForRecycledStoredBug>("waits-for-recycled-stored-bug"),
+    irt::queue_entry<irt::WaitsForRecycledFixed>("waits-for-recycled-fixed"),
+    irt::queue_entry<irt::OneShortBug>("one-short-bug"),
+    irt::queue_entry<irt::OneShortProducersBug>("one-short-producers-bug"),
+    irt::queue_entry<irt::OneShortUnorderedBug>("one-short-unordered-bug"),
+    irt::queue_entry<irt::OneShortFixed>("one-short-fixed"),
+    irt::queue_entry<irt::NarrowIndexBug>("narrow-index-bug"),
+    irt::queue_entry<irt::NarrowIndex16Bug>("narrow-index-16-bug"),
+    irt::queue_entry<irt::NarrowIndex32Bug>("narrow-index-32-bug"),
+    irt::queue_entry<irt::NarrowIndexFixed>("narrow-index-fixed"),
+    irt::queue_entry<irt::FailedGrowthBug>("failed-growth-bug"),
+    irt::queue_entry<irt::FailedGrowthFixed>("failed-growth-fixed"),
+    irt::queue_entry<irt::NotifiedTwiceBug>("notified-twice-bug"),
+    irt::queue_entry<irt::NotifiedTwiceFixed>("notified-twice-fixed"),
+    irt::queue_entry<irt::SharedLineBug>("shared-line-bug"),
+    irt::queue_entry<irt::SharedLineFixed>("shared-line-fixed"),
+    irt::queue_entry<irt::CallResultBug>("call-result-bug"),
+    irt::queue_entry<irt::CallResultFixed>("call-result-fixed"),
+    irt::queue_entry<irt::SanitizerMacroBug>("sanitizer-macro-bug"),
+    irt::queue_entry<irt::UnpublishedBug>("unpublished-bug"),
+    irt::queue_entry<irt::UnpublishedFixed>("unpublished-fixed"),
+    irt::queue_entry<irt::LongSpin>("long-spin"),
+    irt::queue_entry<irt::Registry>("registry"),
+    irt::queue_entry<irt::ListQueue>("list-queue"),
+};
+
+}  // namespace
+
+extern "C" const irt::QueueEntry* irt_probe_entries(unsigned* count);
+extern "C" const irt::QueueEntry* irt_probe_entries(unsigned* count) {
+  *count = sizeof entries / sizeof *entries;
+  return entries;
+}

@@ -1,0 +1,86 @@
+// Each queue of tests/stress/cases gets its right verdict from what `irt check` does by default:
+// broken ones the right kind of finding, healthy ones none. A case stands for its kind; its sisters
+// are rows beside it.
+
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stress/checker/queue_check.hpp"
+
+namespace irt::checker {
+namespace {
+
+struct Case {
+  std::string_view queue;
+  std::vector<FindingKind> right;  ///< any of these; none: healthy
+};
+
+// clang-format off
+const std::vector<Case> cases{
+    {"waits-for-recycled-bug", {FindingKind::livelock}},
+    {"waits-for-recycled-counted-bug", {FindingKind::livelock}},
+    {"waits-for-recycled-stored-bug", {FindingKind::livelock}},
+    {"waits-for-recycled-fixed", {}},
+    {"long-spin", {}},
+    {"registry", {}},
+};
+// clang-format on
+
+class Cases : public testing::Test {
+ protected:
+  const QueueEntry& entry(std::string_view name) {
+    unsigned count = 0;
+    const auto* entries =
+        module_.function<const QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
+    for (unsigned i = 0; i < count; ++i)
+      if (entries[i].name == name) return entries[i];
+    throw std::invalid_argument("no such case");
+  }
+
+  QueueResult check(std::string_view queue, double seconds) {
+    CheckSettings settings;
+    settings.quiet = true;
+    settings.reports = false;
+    settings.seconds = seconds;
+    return check_queue(entry(queue), module_, settings, "");
+  }
+
+  /// "livelock on EE:DE|D", or "nothing".
+  static std::string finding_of(const QueueResult& result, FindingKind* kind = nullptr) {
+    for (const ShapeResult& shape : result.shapes) {
+      if (!shape.result.finding) continue;
+      if (kind != nullptr) *kind = shape.result.finding->kind;
+      return std::string(name_of(shape.result.finding->kind)) + " on " + shape.shape + ": " +
+             shape.result.finding->text;
+    }
+    return "nothing";
+  }
+
+  virtual_cores::Module module_{IRT_CASES_PROBE};
+};
+
+TEST_F(Cases, broken_ones_are_found_as_what_they_are) {
+  for (const Case& c : cases) {
+    if (c.right.empty()) continue;
+    FindingKind kind{};
+    const QueueResult result = check(c.queue, 60);
+    const std::string found = finding_of(result, &kind);
+    EXPECT_TRUE(result.found && std::find(c.right.begin(), c.right.end(), kind) != c.right.end())
+        << c.queue << ": " << found;
+  }
+}
+
+// By default 50 s each; `irt test --full` gives them that.
+TEST_F(Cases, healthy_ones_are_not_accused) {
+  for (const Case& c : cases) {
+    if (!c.right.empty()) continue;
+    const QueueResult result = check(c.queue, 4);
+    EXPECT_FALSE(result.found) << c.queue << ": " << finding_of(result);
+  }
+}
+
+}  // namespace
+}  // namespace irt::checker
