@@ -1,6 +1,9 @@
 #include "stress/checker/execution.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
+
+#include "stress/checker/leaks.hpp"
 
 namespace irt::checker {
 
@@ -83,16 +86,19 @@ Outcome Execution::run(Strategy& strategy) {
     }
   }
   if (outcome_ == Outcome::complete && limits_.leaks && !frozen_ && scenario_.finish) {
-    for (const Block& block : heap_.blocks()) {
-      if (block.freed) continue;
-      finding_ = Finding{
-          FindingKind::leak,
-          "a block of " + std::to_string(block.size) + " bytes, allocated at {0}, is never freed",
-          {block.allocated_at}};
+    std::vector<virtual_cores::Range> roots = virtual_cores::thread_locals_of(main_);
+    if (scenario_.module != nullptr) roots.push_back(scenario_.module->globals());
+    if (const Block* lost = first_lost(heap_, roots)) {
+      finding_ = Finding{FindingKind::leak,
+                         "a block of " + std::to_string(lost->size) +
+                             " bytes, allocated at {0}, is never freed, and nothing leads to it",
+                         {lost->allocated_at}};
       outcome_ = Outcome::found;
-      break;
     }
   }
+  if (graph_.seq_cst_operations() > Graph::most_seq_cst && incomplete_.empty())
+    incomplete_ =
+        fmt::format("an execution makes more than {} seq_cst operations", Graph::most_seq_cst);
   running = nullptr;
   strategy.end(*this, outcome_);
   return outcome_;

@@ -122,8 +122,11 @@ class Graph {
   void finish_fence(Event& event);
   void finish_choice(Event& event, std::uint32_t option);
 
-  /// Whether a total order of the seq_cst operations exists.
+  /// Whether a total order of the seq_cst operations exists. Not if there are more than
+  /// `most_seq_cst`: nobody looks for one among so many.
   [[nodiscard]] bool seq_cst_order_exists() const;
+  static constexpr std::size_t most_seq_cst = 4096;
+  [[nodiscard]] std::size_t seq_cst_operations() const { return seq_cst_.size(); }
   /// Whether one exists if `event`, not yet completed, reads (or also writes after) the store at
   /// `place`.
   bool allows_read(Event& event, std::uint32_t location, std::size_t place, bool modifies);

@@ -14,7 +14,6 @@ namespace irt::checker {
 namespace {
 
 constexpr std::uintptr_t heap_address = 0x200000000000;
-constexpr std::size_t region_bytes = std::size_t{16} << 20U;
 // Between blocks, so that a step past the end of one does not land in another.
 constexpr std::size_t gap_bytes = 32;
 

@@ -53,6 +53,9 @@ struct Cell {
 
 class Heap {
  public:
+  /// What a thread may allocate in an execution, freed blocks and gaps between blocks included.
+  static constexpr std::size_t region_bytes = std::size_t{64} << 20U;
+
   explicit Heap(unsigned threads);
   Heap(const Heap&) = delete;
   Heap& operator=(const Heap&) = delete;

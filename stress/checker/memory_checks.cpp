@@ -153,8 +153,10 @@ void* Execution::allocate(std::size_t size, std::size_t alignment, const void* p
   void* block = limits_.reuse_memory && heap_.can_reuse(thread, size, alignment) && chosen(pc)
                     ? heap_.reuse(thread, size, alignment, pc)
                     : heap_.allocate(thread, size, alignment, pc);
+  if (block == nullptr)
+    give_up(fmt::format("a thread allocates more than {} MB", Heap::region_bytes >> 20U));
   // What is there must not depend on the execution before.
-  if (block != nullptr) std::memset(block, 0xA5, size);
+  std::memset(block, 0xA5, size);
   return block;
 }
 

@@ -19,8 +19,6 @@ namespace irt::checker {
 
 namespace {
 
-constexpr std::size_t max_nodes = 512;
-
 /// The relation, for at most `most` operations: small ones fit into a register.
 template <std::size_t most>
 class Relation {
@@ -129,7 +127,8 @@ class Relation {
 bool Graph::seq_cst_order_exists() const {
   if (seq_cst_.size() < 2) return true;
   if (seq_cst_.size() <= 64) return Relation<64>(*this, seq_cst_).is_acyclic();
-  return Relation<max_nodes>(*this, seq_cst_).is_acyclic();
+  if (seq_cst_.size() <= 512) return Relation<512>(*this, seq_cst_).is_acyclic();
+  return seq_cst_.size() <= most_seq_cst && Relation<most_seq_cst>(*this, seq_cst_).is_acyclic();
 }
 
 bool Graph::try_out(Event& event, std::uint32_t id, std::size_t place, bool reads, bool writes) {

@@ -19,10 +19,7 @@ namespace {
 
 // The module's variables that live in memory it may write after loading: .data and .bss, without
 // what the loader has made read-only.
-struct Globals {
-  std::uintptr_t begin = 0;
-  std::uintptr_t end = 0;
-};
+using Globals = Range;
 
 int find_globals(dl_phdr_info* info, std::size_t, void* result) {
   auto& [offset, globals] = *static_cast<std::pair<std::uintptr_t, Globals>*>(result);
@@ -87,6 +84,10 @@ void Module::reset_globals() {
 
 bool Module::owns_global(std::uintptr_t address) const {
   return address >= state_->globals.begin && address < state_->globals.end;
+}
+
+Range Module::globals() const {
+  return state_->globals;
 }
 
 std::vector<std::string> Module::unseen_calls() const {

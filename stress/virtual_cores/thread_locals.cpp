@@ -112,6 +112,14 @@ void forget_thread_locals(unsigned core) {
   state.exits.clear();
 }
 
+std::vector<Range> thread_locals_of(unsigned core) {
+  std::vector<Range> result;
+  for (const Block& block : core_state(core).blocks)
+    if (const auto begin = reinterpret_cast<std::uintptr_t>(block.memory); block.fresh)
+      result.push_back({begin, begin + block.image.size});
+  return result;
+}
+
 void run_thread_exits(unsigned core) {
   while (!core_state(core).exits.empty()) {
     const Exit last = core_state(core).exits.back();

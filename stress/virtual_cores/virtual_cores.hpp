@@ -162,6 +162,15 @@ struct Registers {
 /// makes on behalf of the code, as inside of pthread_rwlock_rdlock.
 const Registers& registers();
 
+/// Addresses from `begin` to before `end`.
+struct Range {
+  std::uintptr_t begin = 0;
+  std::uintptr_t end = 0;
+};
+
+/// Where `core` keeps its thread_local variables; nothing once it has ended or begun anew.
+std::vector<Range> thread_locals_of(unsigned core);
+
 /// The virtual cores. At most one object exists at a time.
 class Cores {
  public:
@@ -215,7 +224,8 @@ class Module {
 
   /// Puts global variables back to what they were after loading.
   void reset_globals();
-  /// Whether `address` is in the module's global variables.
+  /// Its global variables.
+  Range globals() const;
   bool owns_global(std::uintptr_t address) const;
 
   /// Functions outside the module that it calls, that may touch shared memory and that nobody

@@ -32,6 +32,17 @@ pthread_barrier_t barrier;
 pthread_rwlock_t rw_lock;
 std::atomic_flag flag;
 
+struct Node {
+  Node* next;
+};
+atomic<Node*> registry;
+thread_local Node* volatile mine;
+std::uintptr_t marked, shifted;
+
+Node circle;
+atomic<int> cells[2000];
+int data2;
+
 void no_work() {}
 
 const irt::findings::Program programs[] = {
@@ -92,8 +103,52 @@ const irt::findings::Program programs[] = {
       },
       no_work},
      [] { block = static_cast<int*>(std::malloc(8)); }},
-    {"leak", "memory leak", {[] { block = new int(1); }, no_work}, no_work, no_work},
+    {"leak",
+     "memory leak",
+     {[] { *static_cast<int* volatile*>(&block) = new int(1); }, no_work},
+     no_work,
+     [] { block = nullptr; }},
     {"no leak", "", {[] { block = new int(1); }, no_work}, no_work, [] { delete block; }},
+    {"kept by a global",
+     "",
+     {[] {
+        auto* list = new Node{nullptr};
+        registry.store(new Node{list}, rlx);
+      },
+      no_work},
+     no_work,
+     no_work},
+    {"kept with marks in the pointer",
+     "",
+     {[] { marked = reinterpret_cast<std::uintptr_t>(new Node{new Node{nullptr}}) | 1U << 2U; },
+      [] { shifted = reinterpret_cast<std::uintptr_t>(new Node{nullptr}) << 16U | 7U; }},
+     no_work,
+     no_work},
+    {"a lost circle",
+     "memory leak",
+     {[] {
+        auto* first = new Node{nullptr};
+        registry.store(first, rlx);
+        first->next = new Node{first};
+        registry.store(nullptr, rlx);
+      },
+      no_work},
+     no_work,
+     no_work},
+    {"dropped from the registry",
+     "memory leak",
+     {[] {
+        registry.store(new Node{new Node{nullptr}}, rlx);
+        registry.store(nullptr, rlx);
+      },
+      no_work},
+     no_work,
+     no_work},
+    {"kept by a thread that has ended",
+     "memory leak",
+     {[] { mine = new Node{nullptr}; }, no_work},
+     no_work,
+     no_work},
     {"past the end",
      "access out of bounds",
      {[] { static_cast<volatile int*>(block)[2] = 1; }, no_work},
@@ -156,6 +211,103 @@ const irt::findings::Program programs[] = {
         }
       },
       [] { x.store(1, rel); }}},
+    {"waits for what was drawn",
+     "livelock",
+     {[] {
+        const int ticket = x.fetch_add(1, rlx);
+        while (y.load(acq) != ticket) {
+        }
+      },
+      [] { x.fetch_add(1, rlx); },
+      [] {
+        const int ticket = x.fetch_add(1, rlx);
+        while (y.load(acq) != ticket) {
+        }
+        y.store(ticket + 1, rel);
+      }}},
+    {"waits after it has looked elsewhere",
+     "livelock",
+     {[] {
+        if (x.load(rlx) == 0)
+          while (y.load(acq) == 0) {
+          }
+      },
+      [] { x.store(1, rlx); }}},
+    {"waits, counting, for nobody",
+     "livelock",
+     {[] {
+        for (int i = 0; x.load(acq) == 0; ++i) data = i;
+      },
+      no_work}},
+    {"tries a lock for ever",
+     "livelock",
+     {[] {
+        for (;;) {
+          const std::lock_guard l(m);
+          if (ready) break;
+        }
+      },
+      no_work}},
+    {"looks a thousand times",
+     "",
+     {[] {
+        for (int i = 0; i < 1000 && x.load(acq) == 0; ++i) {
+        }
+      },
+      no_work}},
+    {"looks often at a lock that is held",
+     "",
+     {[] {
+        for (int i = 0; i < 3000; ++i) {
+          if (!m.try_lock()) continue;
+          m.unlock();
+          break;
+        }
+      },
+      [] {
+        const std::lock_guard l(m);
+        y.store(1, rlx);
+      }}},
+    {"walks a thousand cells",
+     "",
+     {[] {
+        for (int i = 0; i < 1000; ++i) cells[i].store(1, rlx);
+        x.store(1, rel);
+      },
+      [] {
+        int sum = 0;
+        for (int i = 1000; i < 2000; ++i) sum += cells[i].load(rlx);
+        if (x.load(acq) == 1) y.store(sum, rlx);
+      }}},
+    {"two that look in turn for each other",
+     "",
+     {[] {
+        for (int i = 0; i < 300 && y.load(acq) == 0; ++i) {
+        }
+        x.store(1, rel);
+      },
+      [] {
+        for (int i = 0;; ++i) {
+          if (x.load(acq) == 1) break;
+          data2 = i;
+        }
+        y.store(1, rel);
+      }}},
+    {"walks in a circle",
+     "livelock",
+     {[] {
+        Node* volatile at = &circle;
+        while (at != nullptr) at = at->next;
+      },
+      no_work},
+     [] { circle.next = &circle; }},
+    {"waits for ever at the end",
+     "livelock",
+     {no_work, no_work},
+     no_work,
+     [] {
+       for (int i = 0; x.load(acq) == 0; ++i) data = i & 7;
+     }},
     {"waits politely",
      "",
      {[] {
@@ -369,6 +521,32 @@ const irt::findings::Program programs[] = {
         static const int twice = data + 2;
         x.store(twice, rlx);
       }}},
+
+    // --- Limits: no finding, and no proof
+    {"more steps than are looked at",
+     "not proved",
+     {[] {
+        for (int round = 0; round < 30; ++round)
+          for (auto& cell : cells) cell.store(round, rlx);
+      },
+      no_work}},
+    {"more seq_cst operations than can be put in order",
+     "not proved",
+     {[] {
+        for (int round = 0; round < 3; ++round)
+          for (auto& cell : cells) cell.store(round);
+        x.store(y.load());
+      },
+      [] { y.store(x.load()); }}},
+    {"more memory than there is",
+     "not proved",
+     {[] {
+        for (int i = 0; i < 200; ++i) {
+          void* volatile megabyte = std::calloc(1, std::size_t{1} << 20U);
+          std::free(megabyte);
+        }
+      },
+      no_work}},
 
     // --- The code's own words
     {"assertion", "failure", {[] { x.store(1, rlx); }, [] { assert(x.load(rlx) == 0); }}},

@@ -31,6 +31,11 @@ class Findings : public testing::Test {
     return scenario;
   }
 
+  /// Whether it reaches a limit of the checker, so that nothing can be said of it.
+  static bool is_limit(const irt::findings::Program& program) {
+    return std::string_view(program.finding) == "not proved";
+  }
+
   static std::string found(const checker::Result& result) {
     return result.finding ? std::string(name_of(result.finding->kind)) : "";
   }
@@ -44,6 +49,12 @@ TEST_F(Findings, exhaustive_search_finds_what_is_wrong_and_nothing_else) {
   for (const auto& program : programs()) {
     const checker::Scenario scenario = scenario_of(program);
     const checker::Result result = check(scenario, {.seconds = 10});
+    if (is_limit(program)) {
+      EXPECT_EQ(found(result), "") << program.name << ": " << result.finding->text;
+      EXPECT_FALSE(result.finished) << program.name;
+      EXPECT_NE(result.incomplete, "") << program.name;
+      continue;
+    }
     EXPECT_EQ(found(result), program.finding)
         << program.name << ": " << (result.finding ? result.finding->text : "");
     EXPECT_TRUE(result.finished || result.finding) << program.name << " was not finished";
@@ -52,6 +63,7 @@ TEST_F(Findings, exhaustive_search_finds_what_is_wrong_and_nothing_else) {
 
 TEST_F(Findings, bounded_and_random_searches_agree) {
   for (const auto& program : programs()) {
+    if (is_limit(program)) continue;
     const checker::Scenario scenario = scenario_of(program);
     for (const auto search : {checker::Search::bounded, checker::Search::random,
                               checker::Search::pct, checker::Search::pos}) {
@@ -59,7 +71,7 @@ TEST_F(Findings, bounded_and_random_searches_agree) {
       if (search == checker::Search::random && std::string(program.name).starts_with("atomic wait"))
         continue;
       const checker::Result result =
-          check(scenario, {.search = search, .budget = 2, .executions = 3000});
+          check(scenario, {.search = search, .budget = 2, .executions = 1000});
       EXPECT_EQ(found(result), program.finding)
           << program.name << " by search " << static_cast<int>(search) << ": "
           << (result.finding ? result.finding->text : "");
@@ -69,9 +81,10 @@ TEST_F(Findings, bounded_and_random_searches_agree) {
 
 TEST_F(Findings, a_schedule_finds_the_same_again) {
   for (const auto& program : programs()) {
+    if (is_limit(program)) continue;
     const checker::Scenario scenario = scenario_of(program);
     for (const auto search : {checker::Search::exhaustive, checker::Search::random}) {
-      const checker::Options options{.search = search, .executions = 3000};
+      const checker::Options options{.search = search, .executions = 1000};
       const checker::Result result = check(scenario, options);
       if (!result.finding) continue;
       const std::string text = to_string(result.schedule);
