@@ -1,5 +1,10 @@
 # Which Debian packages a command needs and why, and their installation.
 
+# Plug-ins are of one version of GCC.
+gcc_version=$(g++ -dumpversion 2>/dev/null)
+gcc_plugin=gcc-${gcc_version%%.*}-plugin-dev
+[[ -n $gcc_version ]] || gcc_plugin=gcc-12-plugin-dev
+
 declare -A package_purpose=(
   [g++]='compiles the project'
   [cmake]='configures the build'
@@ -15,6 +20,7 @@ declare -A package_purpose=(
   [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
   [libboost-context-dev]='fibers: the virtual cores of irt check and irt simulate'
+  [$gcc_plugin]='irt check sees what GCC alone does not announce'
   [gnuplot-nox]='draws the plots of irt report --plots'
   [chromium]='a browser, in which the page of irt report is tested'
   [libembree-dev]='Embree, which irt bench tracer compares with'
@@ -35,14 +41,15 @@ declare -A package_purpose=(
 packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev libhwloc-dev
   libtbb-dev libboost-dev libpng-dev libtinyobjloader-dev libhwy-dev
   libboost-context-dev)
-packages_test=("${packages_tools[@]}" libgtest-dev)
+packages_test=("${packages_tools[@]}" libgtest-dev "$gcc_plugin")
 # Other people's queues, docs/comparators.md. The first start does without.
 packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev libatomic-queue-dev
   liburcu-dev libck-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev "${packages_comparators[@]}"
   libbenchmark-dev libpfm4-dev valgrind gnuplot-nox chromium)
 # What a target does without where it cannot be installed.
-declare -A optional_packages=([irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox
+declare -A optional_packages=([irt-check]=$gcc_plugin [irt-simulate]=$gcc_plugin
+  [irt-counted]=$gcc_plugin [irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox
   [irt-contention]=libpfm4-dev
   [irt-micro]="libbenchmark-dev ${packages_comparators[*]}"
   [irt-instructions]="valgrind ${packages_comparators[*]}")

@@ -131,10 +131,12 @@ IRT_HOOK __tsan_atomic_signal_fence(int) {}
 #define IRT_COMPARE_EXCHANGE(bits, name, weak)                                                 \
   IRT_BODY int irt_vc_atomic##bits##_compare_exchange_##name(                                  \
       volatile u##bits* p, u##bits* expected, u##bits desired, int success, int failure) {     \
+    announce_read(expected, sizeof *expected, IRT_PC);                                         \
     Value seen = *expected;                                                                    \
     if (active->compare_exchange(access_to(p, success, IRT_PC), order_of(failure), weak, seen, \
                                  desired))                                                     \
       return 1;                                                                                \
+    announce_write(expected, sizeof *expected, IRT_PC);                                        \
     *expected = static_cast<u##bits>(seen);                                                    \
     return 0;                                                                                  \
   }                                                                                            \
