@@ -9,10 +9,9 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
                          virtual_cores::Module* module, bool real_time)
     : entry_(entry), shape_(std::move(shape)), capacity_(capacity), real_time_(real_time) {
   if (shape_.capacity != 0) capacity_ = shape_.capacity;
-  if (capacity_ == 0) {
-    const auto held = std::count(shape_.prologue.begin(), shape_.prologue.end(), 'E');
-    capacity_ = entry.claims.bounded ? std::max<std::size_t>(static_cast<std::size_t>(held), 1) : 1;
-  }
+  if (capacity_ == 0)
+    capacity_ = entry.claims.bounded ? std::max<std::size_t>(most_held(shape_), 1) : 1;
+
   const auto count = static_cast<unsigned>(shape_.threads.size());
   scenario_.module = module;
   scenario_.prepare = [this, count] {

@@ -8,81 +8,190 @@
 
 namespace irt::checker {
 
+namespace {
+
+constexpr std::string_view steps = "EDRTFSWC";
+
+/// The parser of one text: every mistake names it.
+class Parser {
+ public:
+  explicit Parser(std::string_view text) : text_(text) {}
+
+  Shape shape() {
+    Shape shape;
+    std::string_view rest = text_;
+    if (const auto plus = rest.find('+'); plus != std::string_view::npos) {
+      shape.age = number(rest.substr(plus + 1), "after '+' comes a number of pairs, at least 1");
+      rest = rest.substr(0, plus);
+    }
+    if (const auto at = rest.find('@'); at != std::string_view::npos) {
+      shape.capacity =
+          number(rest.substr(at + 1), "after '@' comes a capacity in elements, at least 1");
+      rest = rest.substr(0, at);
+    }
+    if (const auto colon = rest.find(':'); colon != std::string_view::npos) {
+      shape.prologue = written_out(rest.substr(0, colon));
+      rest.remove_prefix(colon + 1);
+    }
+    if (const auto semicolon = rest.find(';'); semicolon != std::string_view::npos) {
+      shape.epilogue = written_out(rest.substr(semicolon + 1));
+      rest = rest.substr(0, semicolon);
+    }
+    for (;;) {
+      const auto bar = rest.find('|');
+      shape.threads.push_back(written_out(rest.substr(0, bar)));
+      if (shape.threads.back().empty()) wrong("a thread without steps");
+      if (bar == std::string_view::npos) break;
+      rest.remove_prefix(bar + 1);
+    }
+    if (shape.threads.size() + 1 > max_threads)
+      wrong("at most " + std::to_string(max_threads - 1) + " threads");
+    return shape;
+  }
+
+ private:
+  [[noreturn]] void wrong(const std::string& what) const {
+    throw std::invalid_argument("shape \"" + std::string(text_) + "\": " + what);
+  }
+
+  [[nodiscard]] std::uint64_t number(std::string_view digits, const char* what) const {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc{} || end != digits.data() + digits.size() || value == 0) wrong(what);
+    return value;
+  }
+
+  std::string written_out(std::string_view word) {
+    rest_ = word;
+    std::string letters = sequence(0);
+    if (!rest_.empty()) wrong("a ')' without '('");
+    return letters;
+  }
+
+  // Up to the end or a ')' that belongs to someone else.
+  std::string sequence(unsigned depth) {
+    std::string letters;
+    while (!rest_.empty() && rest_.front() != ')') {
+      const char letter = rest_.front();
+      rest_.remove_prefix(1);
+      if (letter == '(')
+        letters += repeated(depth + 1);
+      else if (steps.find(letter) != std::string_view::npos)
+        letters += letter;
+      else if (letter != ' ')
+        wrong(
+            std::string("'") + letter +
+            "' is no step; steps are E D R T F S W C, threads are parted by '|', a prologue ends "
+            "with ':', an epilogue follows ';', a capacity '@', an age '+', and (ED)*3 is EDEDED");
+      check_length(letters.size());
+    }
+    return letters;
+  }
+
+  std::string repeated(unsigned depth) {
+    if (depth > 100) wrong("more than 100 '(' in one another");
+    const std::string part = sequence(depth);
+    if (rest_.empty()) wrong("a '(' without ')'");
+    rest_.remove_prefix(1);
+    if (rest_.empty() || (rest_.front() != '*' && rest_.front() != 'x'))
+      wrong("after ')' comes how often, as in (ED)*3");
+    rest_.remove_prefix(1);
+    const std::size_t digits = std::min(rest_.find_first_not_of("0123456789"), rest_.size());
+    const std::uint64_t times =
+        number(rest_.substr(0, digits), "after ')' comes how often, at least 1, as in (ED)*3");
+    rest_.remove_prefix(digits);
+    check_length(part.empty() ? 0 : std::min<std::uint64_t>(times, most_steps + 1) * part.size());
+    std::string letters;
+    for (std::uint64_t i = 0; i < times && !part.empty(); ++i) letters += part;
+    return letters;
+  }
+
+  void check_length(std::size_t length) const {
+    if (length > most_steps)
+      wrong("more than " + std::to_string(most_steps) +
+            " steps; what comes before anything else can be an age, as in EE:D|D+65000");
+  }
+
+  std::string_view text_;
+  std::string_view rest_;  ///< of the word in progress
+};
+
+// A part is written once if that saves the reader the counting.
+std::string folded(std::string_view word) {
+  constexpr std::size_t long_enough = 9;
+  std::string text;
+  while (!word.empty()) {
+    std::size_t length = 0;
+    std::size_t period = 0;
+    for (std::size_t p = 1; p <= 8 && 2 * p <= word.size(); ++p) {
+      std::size_t same = p;
+      while (same < word.size() && word[same] == word[same - p]) ++same;
+      if (same / p * p > length) {
+        length = same / p * p;
+        period = p;
+      }
+    }
+    if (length < long_enough) {
+      text += word.front();
+      word.remove_prefix(1);
+      continue;
+    }
+    text += "(" + std::string(word.substr(0, period)) + ")*" + std::to_string(length / period);
+    word.remove_prefix(length);
+  }
+  return text;
+}
+
+}  // namespace
+
 Shape parse_shape(std::string_view text) {
-  Shape shape;
-  std::string_view rest = text;
-  const auto check = [text](std::string_view part) {
-    for (const char letter : part)
-      if (std::string_view("EDRTFSWC").find(letter) == std::string_view::npos)
-        throw std::invalid_argument(
-            "shape \"" + std::string(text) + "\": '" + letter +
-            "' is no step; steps are E D R T F S W C, threads are parted by '|', "
-            "a prologue ends with ':', an epilogue follows ';', a capacity '@'");
-    return std::string(part);
-  };
-  if (const auto at = rest.find('@'); at != std::string_view::npos) {
-    const std::string_view number = rest.substr(at + 1);
-    const auto [end, error] =
-        std::from_chars(number.data(), number.data() + number.size(), shape.capacity);
-    if (error != std::errc{} || end != number.data() + number.size() || shape.capacity == 0)
-      throw std::invalid_argument("shape \"" + std::string(text) +
-                                  "\": after '@' comes a capacity in elements, at least 1");
-    rest = rest.substr(0, at);
-  }
-  if (const auto colon = rest.find(':'); colon != std::string_view::npos) {
-    shape.prologue = check(rest.substr(0, colon));
-    rest.remove_prefix(colon + 1);
-  }
-  if (const auto semicolon = rest.find(';'); semicolon != std::string_view::npos) {
-    shape.epilogue = check(rest.substr(semicolon + 1));
-    rest = rest.substr(0, semicolon);
-  }
-  for (;;) {
-    const auto bar = rest.find('|');
-    shape.threads.push_back(check(rest.substr(0, bar)));
-    if (shape.threads.back().empty())
-      throw std::invalid_argument("shape \"" + std::string(text) + "\": a thread without steps");
-    if (bar == std::string_view::npos) break;
-    rest.remove_prefix(bar + 1);
-  }
-  if (shape.threads.size() + 1 > max_threads)
-    throw std::invalid_argument("shape \"" + std::string(text) + "\": at most " +
-                                std::to_string(max_threads - 1) + " threads");
-  return shape;
+  return Parser(text).shape();
 }
 
 std::string to_string(const Shape& shape) {
-  std::string text = shape.prologue.empty() ? "" : shape.prologue + ":";
+  std::string text = shape.prologue.empty() ? "" : folded(shape.prologue) + ":";
   for (const std::string& thread : shape.threads)
-    text += (&thread == shape.threads.data() ? "" : "|") + thread;
-  if (!shape.epilogue.empty()) text += ";" + shape.epilogue;
-  return shape.capacity == 0 ? text : text + "@" + std::to_string(shape.capacity);
+    text += (&thread == shape.threads.data() ? "" : "|") + folded(thread);
+  if (!shape.epilogue.empty()) text += ";" + folded(shape.epilogue);
+  if (shape.capacity != 0) text += "@" + std::to_string(shape.capacity);
+  if (shape.age != 0) text += "+" + std::to_string(shape.age);
+  return text;
 }
 
-std::vector<std::string> battery(const Claims& claims) {
-  // Pure consumers matter: a thread that has pushed before it pops has synchronised by that. The
-  // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing. The
-  // long ones empty a page or a batch of retired nodes, or steal, while another thread holds on to
-  // a node. Rings are filled and go round at sizes where narrow counters overflow.
-  static const std::vector<std::string> all{
-      "F:D@1",    "F:D@2",        "F:D@128",      "F:D@256",      "E|D",      "E:D|D",   "ES|WD",
-      "ED|ED",    "E|E|D",        "E|D|D",        "EE|DD",        "E:R|R",    "EE:D|DD", "EES|D|WD",
-      "EE:DE|D",  "EE:DD|D",      "E:E|D|E",      "EE|D|D",       "EDD|E",    "E|E|DD",  "EEE|DD",
-      "EE:DD|ED", "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD"};
-  std::vector<std::string> fitting;
-  for (const std::string& text : all) {
-    const Shape shape = parse_shape(text);
-    const auto users = [&shape](std::string_view letters) {
-      return std::count_if(shape.threads.begin(), shape.threads.end(), [&](const std::string& t) {
-        return t.find_first_of(letters) != std::string::npos;
-      });
-    };
-    if (claims.producers == Callers::one && users("ER") > 1) continue;
-    if (claims.consumers == Callers::one && users("DR") > 1) continue;
-    if (!claims.bounded && shape.capacity != 0) continue;
-    fitting.push_back(text);
+std::size_t most_held(const Shape& shape) {
+  std::size_t held = 0;
+  std::size_t most = 0;
+  for (const char letter : shape.prologue) {
+    if (letter == 'E') most = std::max(most, ++held);
+    if (letter == 'D' && held != 0) --held;
   }
-  return fitting;
+  return most;
+}
+
+bool allows(const Claims& claims, const Shape& shape) {
+  // Whether all that `first` does of a role happens before what `second` does of it.
+  const auto handed_over = [&shape](std::string_view letters, const std::string& first,
+                                    const std::string& second) {
+    const auto signalling = std::count_if(
+        shape.threads.begin(), shape.threads.end(),
+        [](const std::string& thread) { return thread.find('S') != std::string::npos; });
+    const auto signal = first.find('S');
+    const auto wait = second.find('W');
+    return signalling == 1 && signal != std::string::npos && wait != std::string::npos &&
+           first.find_first_of(letters, signal) == std::string::npos &&
+           second.find_first_of(letters) > wait;
+  };
+  const auto one_at_a_time = [&](std::string_view letters) {
+    std::vector<const std::string*> users;
+    for (const std::string& thread : shape.threads)
+      if (thread.find_first_of(letters) != std::string::npos) users.push_back(&thread);
+    for (const std::string* a : users)
+      for (const std::string* b : users)
+        if (a < b && !handed_over(letters, *a, *b) && !handed_over(letters, *b, *a)) return false;
+    return true;
+  };
+  if (claims.producers == Callers::one && !one_at_a_time("ERTF")) return false;
+  return claims.consumers != Callers::one || one_at_a_time("DRTF");
 }
 
 }  // namespace irt::checker

@@ -2,6 +2,7 @@
 ///
 ///     EE|D|DE      three threads: two pushes; a pop; a pop and a push
 ///     EE:D|D       before the threads start, two pushes are made
+///     (ED)*40|D    a part that is made forty times; parts may be nested, and `x` is as good as `*`
 ///
 ///     E  push the next element           R  the renderer's task: pop one; if there was one, push
 ///     D  pop                                two, once per letter
@@ -15,11 +16,13 @@
 ///     F  fill: push until it is full, at most twice its capacity; then pop one and push again
 ///
 ///     EE|DD@2      the queue is made for two elements
+///     E:D|D+250    before anything else one worker has made 250 pairs of a push and a pop
 ///
 ///     C  close: push `close_word`, for queues whose pop waits until they are closed
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,13 +36,25 @@ struct Shape {
   std::vector<std::string> threads;
   std::string epilogue;
   std::size_t capacity = 0;  ///< of the queue, in elements; 0: left open
+  std::uint64_t age = 0;     ///< pairs of a push and a pop before anything else
+
+  friend bool operator==(const Shape&, const Shape&) = default;
 };
 
-/// Throws std::invalid_argument that says what is wrong with `text`.
+/// Steps of one thread, of the prologue or of the epilogue: at most so many.
+inline constexpr std::size_t most_steps = 10'000;
+
+/// Repeated parts are written out. Throws std::invalid_argument that says what is wrong with
+/// `text`.
 Shape parse_shape(std::string_view text);
+/// The shortest way to write it that this file knows; `parse_shape` makes the same shape of it.
 std::string to_string(const Shape& shape);
 
-/// The shapes that a queue with these claims is tried with, small ones first.
-std::vector<std::string> battery(const Claims& claims);
+/// How many elements the prologue has inside at once, as far as E and D say.
+std::size_t most_held(const Shape& shape);
+
+/// Whether a queue with these claims may be used so: by one producer or consumer at a time where it
+/// is for one. The role may be handed over from who signals to who waits for that.
+bool allows(const Claims& claims, const Shape& shape);
 
 }  // namespace irt::checker

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "stress/checker/progress.hpp"
+#include "stress/checker/batteries.hpp"
 #include "stress/checker/queue_client.hpp"
 
 namespace {
@@ -164,12 +165,6 @@ TEST_F(Queues, parts_of_the_work_add_up) {
     sum += part.complete;
   }
   EXPECT_EQ(sum, whole.complete);
-}
-
-TEST(Shapes, are_refused_with_a_reason) {
-  for (const char* text : {"", "E|", "EX|D", "|D"})
-    EXPECT_THROW(checker::parse_shape(text), std::invalid_argument) << text;
-  EXPECT_EQ(to_string(checker::parse_shape("EE:D|ED")), "EE:D|ED");
 }
 
 TEST(Judge, orders_operations_by_happens_before_only) {

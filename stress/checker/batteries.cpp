@@ -1,0 +1,87 @@
+#include "stress/checker/batteries.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "stress/checker/shapes.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims) {
+  std::vector<std::string> result;
+  std::copy_if(shapes.begin(), shapes.end(), std::back_inserter(result),
+               [&claims](const std::string& text) {
+                 const Shape shape = parse_shape(text);
+                 return allows(claims, shape) && (claims.bounded || shape.capacity == 0);
+               });
+  return result;
+}
+
+/// When a counter wraps that moves once for each pair, twice, or once for each round of the ring,
+/// whose places may have been rounded up to a power of two.
+std::vector<std::uint64_t> wraps(std::uint64_t range, std::size_t capacity) {
+  std::vector<std::uint64_t> all{range / 2, range, range * capacity,
+                                 range * std::bit_ceil(capacity)};
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> battery(const Claims& claims) {
+  // Pure consumers matter: a thread that has pushed before it pops has synchronised by that. The
+  // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing. The
+  // long ones empty a page or a batch of retired nodes, or steal, while another thread holds on to
+  // a node. Rings are filled and go round at capacities that are powers of two and that are none.
+  static const std::vector<std::string> all{
+      "F:D@1",    "F:D@2",        "F:D@3",        "F:D@5",        "E|D",      "E:D|D",
+      "ES|WD",    "ED|ED",        "E|E|D",        "E|D|D",        "EE|DD",    "E:R|R",
+      "EE:D|DD",  "EES|D|WD",     "EE:DE|D",      "EE:DD|D",      "E:E|D|E",  "EE|D|D",
+      "EE|DD@3",  "EEE:DE|D@3",   "EEEEE:D|E@5",  "EDD|E",        "E|E|DD",   "EEE|DD",
+      "EE:DD|ED", "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD"};
+  return fitting(all, claims);
+}
+
+std::vector<std::string> aged_battery(const Claims& claims, bool old) {
+  std::vector<std::uint64_t> ranges{1U << 8U, 1U << 16U};
+  if (old) ranges = {std::uint64_t{1} << 32U};
+  std::vector<std::string> all;
+  const auto add = [&](std::size_t capacity, const char* shape, const std::string& suffix) {
+    std::vector<std::uint64_t> ages;
+    for (const std::uint64_t range : ranges)
+      for (const std::uint64_t wrap : wraps(range, old ? 1 : capacity))
+        ages.push_back(wrap - (capacity + 1) / 2);
+    std::sort(ages.begin(), ages.end());
+    for (const std::uint64_t age : ages) all.push_back(shape + suffix + "+" + std::to_string(age));
+  };
+  if (!claims.bounded) {
+    // The wrap comes with a push of the prologue, or with one of the threads.
+    for (const char* shape : {"EE:D|EE", "E:DE|DE"}) add(3, shape, "");
+    return fitting(all, claims);
+  }
+  for (const std::size_t capacity : {3U, 1U, 2U, 5U}) {
+    if (old && capacity != 3) continue;
+    for (const char* shape : {"F:DD|EE", "E:DD|EEE"})
+      add(capacity, shape, "@" + std::to_string(capacity));
+  }
+  if (!old)
+    for (const char* shape : {"F:D@128", "F:D@256"}) all.emplace_back(shape);
+  return fitting(all, claims);
+}
+
+std::string even_shape(const Claims& claims, unsigned threads, unsigned operations) {
+  Shape shape;
+  for (unsigned thread = 0; thread < threads; ++thread) {
+    std::string word;
+    if (claims.producers != Callers::one || thread == 0) word.append(operations, 'E');
+    if (claims.consumers != Callers::one || thread + 1 == threads) word.append(operations, 'D');
+    if (word.empty()) return "";
+    shape.threads.push_back(word);
+  }
+  return to_string(shape);
+}
+
+}  // namespace irt::checker
