@@ -7,6 +7,7 @@
 #include <iostream>
 #include <utility>
 
+#include "stress/checker/batteries.hpp"
 #include "stress/checker/progress.hpp"
 #include "stress/checker/report.hpp"
 

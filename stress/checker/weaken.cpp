@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <map>
 
+#include "stress/checker/batteries.hpp"
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/report.hpp"
 
