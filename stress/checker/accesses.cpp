@@ -159,6 +159,7 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
                     : meaning == Meaning::load ? request.failure
                                                : Order::relaxed;
       event.blocked = meaning == Meaning::wait;
+      event.failed = request.compares && meaning == Meaning::load;
     };
     std::size_t place = newest;
     if (phase_ == Phase::parallel) {
@@ -291,7 +292,7 @@ bool Execution::compare_exchange(const Access& access, Order failure, bool weak,
   expected = read_event(
       {access.address, access.size, access.pc,
        order_at(access.pc, false, EventKind::modify, access.order),
-       order_at(access.pc, true, EventKind::modify, failure)},
+       order_at(access.pc, true, EventKind::modify, failure), false, true},
       !fails,
       [&](Value value) { return value == wanted && !fails ? Meaning::modify : Meaning::load; },
       [&](Value) { return desired; });

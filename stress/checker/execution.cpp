@@ -123,9 +123,16 @@ void Execution::stop(Outcome outcome) {
   std::abort();
 }
 
-void Execution::report(FindingKind kind, std::string text, std::vector<const void*> places) {
-  finding_ = Finding{kind, std::move(text), std::move(places)};
+void Execution::report(FindingKind kind, std::string text, std::vector<const void*> places,
+                       std::vector<Moment> moments) {
+  finding_ = Finding{kind, std::move(text), std::move(places), std::move(moments)};
   stop(Outcome::found);
+}
+
+std::optional<Execution::Standing> Execution::standing(unsigned thread) const {
+  const ThreadState& state = states_[thread];
+  if (state.done || state.wait_pc == nullptr || !state.waiting) return std::nullopt;
+  return Standing{state.wait_pc, state.wait_location, state.wait_sleeps};
 }
 
 std::string Execution::stalled() const {

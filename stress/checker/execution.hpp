@@ -114,7 +114,19 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] bool freezes() const { return frozen_.has_value(); }
   /// Whether the thread to be stopped came that far in the last run.
   [[nodiscard]] bool froze() const { return froze_; }
-  [[noreturn]] void report(FindingKind kind, std::string text, std::vector<const void*> places);
+  [[nodiscard]] bool stopped(unsigned thread) const { return froze_ && frozen_->first == thread; }
+  [[noreturn]] void report(FindingKind kind, std::string text, std::vector<const void*> places,
+                           std::vector<Moment> moments = {});
+  /// Where a thread waits that did not come to its end in the last run; none if it did, or if it
+  /// was on its way.
+  struct Standing {
+    const void* pc = nullptr;
+    std::uint32_t location = 0;  ///< of a lock or futex, plus one; 0: it loops
+    bool sleeps = false;
+  };
+  [[nodiscard]] std::optional<Standing> standing(unsigned thread) const;
+  /// Whether it came to its end, or was stopped for good.
+  [[nodiscard]] bool ended(unsigned thread) const { return states_[thread].done; }
 
   /// An order in the code: where, of what, and which.
   struct OrderSite {
@@ -211,7 +223,8 @@ class Execution final : public virtual_cores::Tenant {
     const void* pc;
     Order success;
     Order failure;
-    bool silent = false;  ///< see Event
+    bool silent = false;    ///< see Event
+    bool compares = false;  ///< and writes nothing if it finds another value
   };
   template <class Decide, class NewValue>
   Value read_alone(const Request& request, Decide decide, NewValue new_value);
@@ -228,7 +241,11 @@ class Execution final : public virtual_cores::Tenant {
   void check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                    const void* pc);
   void check_race(const Cell& cell, const Touch& touch);
-  [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, const void* pc);
+  [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, bool atomic,
+                                    const void* pc);
+  [[nodiscard]] Moment here(const void* pc, std::string what, std::string note = "") const;
+  static Moment allocation_of(const Block& block);
+  static Moment free_of(const Block& block, std::string note);
   void check_loop(const void* pc);
   EventId source_of(EventId store) const;
   bool is_newest(EventId store) const;

@@ -11,7 +11,8 @@ namespace irt::checker {
 enum class FindingKind : std::uint8_t {
   data_race,
   use_after_free,
-  invalid_free,
+  double_free,
+  invalid_free,  ///< of what is not the beginning of a block
   out_of_bounds,
   uninitialised_read,
   leak,
@@ -26,10 +27,20 @@ enum class FindingKind : std::uint8_t {
 /// The kind in words: "data race".
 std::string_view name_of(FindingKind kind);
 
+/// What a thread did that the finding speaks of: a plain access, an allocation, a free.
+struct Moment {
+  unsigned thread = 0;
+  std::uint16_t after = 0;  ///< so many events of its own
+  const void* pc = nullptr;
+  std::string what;  ///< "plain write"
+  std::string note;  ///< what is wrong with it, with places as in the finding's text; may be empty
+};
+
 struct Finding {
   FindingKind kind = FindingKind::failure;
   std::string text;  ///< one sentence; {0}, {1}, ... stand for the places below
   std::vector<const void*> places;
+  std::vector<Moment> moments{};  ///< for the columns of a report
 };
 
 }  // namespace irt::checker

@@ -51,7 +51,7 @@ Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc
   event.kind = kind;
   event.thread = static_cast<std::uint8_t>(thread);
   event.order = order;
-  event.blocked = event.reads = event.writes = event.silent = false;
+  event.blocked = event.reads = event.writes = event.failed = event.silent = false;
   event.index = static_cast<std::uint16_t>(mine.now.count[thread] + 1);
   event.node = no_node;
   event.from = no_event;

@@ -53,6 +53,7 @@ struct Event {
   bool blocked = false;          ///< a read that waits for another store
   bool reads = false;            ///< has a store it read from
   bool writes = false;           ///< is in its location's modification order
+  bool failed = false;           ///< a compare-exchange that wrote nothing
   bool silent = false;           ///< has its place in every order and synchronises with nothing
   std::uint16_t index = 0;       ///< in its thread, from 1
   std::uint16_t node = no_node;  ///< among the seq_cst operations

@@ -24,6 +24,8 @@ struct Block {
   std::uint8_t allocated_by = 0;
   std::uint8_t freed_by = 0;
   bool freed = false;
+  std::uint16_t allocated_after = 0;  ///< so many events of `allocated_by`
+  std::uint16_t freed_after = 0;      ///< so many events of `freed_by`
 };
 
 /// One thread's last access of one kind to some of eight bytes.

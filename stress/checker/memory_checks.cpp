@@ -32,7 +32,7 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
   touch.moment = static_cast<std::uint16_t>(graph_.thread(thread).now.count[thread] + 1);
   const auto touch_cell = [&](std::uintptr_t at, unsigned bytes) {
     Cell& cell = heap_.cell(at);
-    if ((bytes & ~cell.usable) != 0) report_unusable(at, writes, pc);
+    if ((bytes & ~cell.usable) != 0) report_unusable(at, writes, atomic, pc);
     if (shared) {
       touch.bytes = static_cast<std::uint8_t>(bytes);
       if (cell.toucher != thread + 1 && cell.toucher != 0 && limits_.races) check_race(cell, touch);
@@ -57,7 +57,8 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
     report(FindingKind::uninitialised_read,
            "the read at {0} is of memory that nothing was written to since it was allocated at "
            "{1}",
-           {pc, heap_.find(address)->allocated_at});
+           {pc, heap_.find(address)->allocated_at},
+           {allocation_of(*heap_.find(address)), here(pc, "read", "nothing was written there")});
   }
 }
 
@@ -92,31 +93,55 @@ void Execution::check_race(const Cell& cell, const Touch& touch) {
         !(other.writes || touch.writes) || (other.atomic && touch.atomic) ||
         now.count[other.thread] >= other.moment)
       continue;
+    const auto name = [](const Touch& t) {
+      return std::string(t.atomic ? "atomic " : "plain ") + verb(t.writes);
+    };
+    const auto before = static_cast<std::uint16_t>(other.moment - 1);
     report(FindingKind::data_race,
-           std::string("the ") + (touch.atomic ? "atomic " : "") + verb(touch.writes) +
-               " at {0} by thread " + std::to_string(touch.thread) + " and the " +
-               (other.atomic ? "atomic " : "") + verb(other.writes) + " at {1} by thread " +
-               std::to_string(other.thread) +
+           "the " + name(touch) + " at {0} by thread " + std::to_string(touch.thread) +
+               " and the " + name(other) + " at {1} by thread " + std::to_string(other.thread) +
                " are to the same memory, and neither happens before the other",
-           {touch.pc, other.pc});
+           {touch.pc, other.pc},
+           {here(touch.pc, name(touch), "races with {1} of thread " + std::to_string(other.thread)),
+            {other.thread, before, other.pc, name(other),
+             "races with {0} of thread " + std::to_string(touch.thread)}});
   }
 }
 
-void Execution::report_unusable(std::uintptr_t eight_bytes, bool writes, const void* pc) {
-  const std::string what = std::string("the ") + verb(writes) + " at {0} ";
+Moment Execution::here(const void* pc, std::string what, std::string note) const {
+  const unsigned thread = cores_.current();
+  return {thread, graph_.thread(thread).now.count[thread], pc, std::move(what), std::move(note)};
+}
+
+Moment Execution::allocation_of(const Block& block) {
+  return {block.allocated_by, block.allocated_after, block.allocated_at, "allocated", ""};
+}
+
+Moment Execution::free_of(const Block& block, std::string note) {
+  return {block.freed_by, block.freed_after, block.freed_at, "freed", std::move(note)};
+}
+
+void Execution::report_unusable(std::uintptr_t eight_bytes, bool writes, bool atomic,
+                                const void* pc) {
+  const std::string access = std::string(atomic ? "atomic " : "plain ") + verb(writes);
+  const std::string what = "the " + access + " at {0} ";
   // The last block that begins before the end of these eight bytes.
   const Block* block = heap_.find(eight_bytes + 7);
   if (block == nullptr || eight_bytes >= block->address + block->size)
-    report(FindingKind::out_of_bounds, what + "is outside of every block of the heap", {pc});
+    report(FindingKind::out_of_bounds, what + "is outside of every block of the heap", {pc},
+           {here(pc, access, "outside of every block")});
   if (block->freed)
     report(FindingKind::use_after_free,
            what + "by thread " + std::to_string(cores_.current()) + " is to memory that thread " +
                std::to_string(block->freed_by) + " freed at {1} (allocated at {2})",
-           {pc, block->freed_at, block->allocated_at});
+           {pc, block->freed_at, block->allocated_at},
+           {allocation_of(*block), free_of(*block, "used later at {0}"),
+            here(pc, access, "of memory that was freed at {1}")});
   report(FindingKind::out_of_bounds,
          what + "is past the end of the block of " + std::to_string(block->size) +
              " bytes that was allocated at {1}",
-         {pc, block->allocated_at});
+         {pc, block->allocated_at},
+         {allocation_of(*block), here(pc, access, "past the end of the block")});
 }
 
 void Execution::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
@@ -155,6 +180,8 @@ void* Execution::allocate(std::size_t size, std::size_t alignment, const void* p
                     : heap_.allocate(thread, size, alignment, pc);
   if (block == nullptr)
     give_up(fmt::format("a thread allocates more than {} MB", Heap::region_bytes >> 20U));
+  heap_.find(reinterpret_cast<std::uintptr_t>(block))->allocated_after =
+      graph_.thread(thread).now.count[thread];
   // What is there must not depend on the execution before.
   std::memset(block, 0xA5, size);
   return block;
@@ -169,12 +196,14 @@ void Execution::release(void* pointer, const void* pc) {
   Block* block = heap_.find(address);
   if (block == nullptr || block->address != address)
     return report(FindingKind::invalid_free, "what is freed at {0} is not the beginning of a block",
-                  {pc});
+                  {pc}, {here(pc, "freed", "not the beginning of a block")});
   if (block->freed)
-    report(FindingKind::invalid_free,
+    report(FindingKind::double_free,
            "thread " + std::to_string(thread) + " frees at {0} what thread " +
                std::to_string(block->freed_by) + " freed at {1} (allocated at {2})",
-           {pc, block->freed_at, block->allocated_at});
+           {pc, block->freed_at, block->allocated_at},
+           {allocation_of(*block), free_of(*block, "the first time"),
+            here(pc, "freed", "the second time")});
   const Clock& now = graph_.thread(thread).now;
   for (std::uintptr_t at = address & ~std::uintptr_t{7}; at < address + block->size; at += 8) {
     const Cell* cell = heap_.known_cell(at);
@@ -187,10 +216,16 @@ void Execution::release(void* pointer, const void* pc) {
              "thread " + std::to_string(thread) + " frees at {0} what thread " +
                  std::to_string(touch.thread) + " still " + (touch.writes ? "writes" : "reads") +
                  " at {1} (allocated at {2}): nothing makes " + "the access happen before",
-             {pc, touch.pc, block->allocated_at});
+             {pc, touch.pc, block->allocated_at},
+             {allocation_of(*block),
+              {touch.thread, static_cast<std::uint16_t>(touch.moment - 1), touch.pc,
+               std::string(touch.atomic ? "atomic " : "plain ") + verb(touch.writes),
+               "not ordered before the free at {0}"},
+              here(pc, "freed", "not ordered after {1}")});
     }
   }
   ++me().effects;
+  block->freed_after = now.count[thread];
   heap_.free(*block, thread, pc);
 }
 

@@ -21,7 +21,8 @@ class Calm final : public RandomBase {
 }  // namespace
 
 ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
-                              unsigned schedules) {
+                              unsigned schedules,
+                              const std::function<void(const Execution&)>& look) {
   ProgressResult result;
   Execution execution(scenario, limits);
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {
@@ -42,6 +43,7 @@ ProgressResult check_progress(const Scenario& scenario, const Limits& limits, st
         result.steps = execution.steps();
         result.thread = thread;
         result.stopped = step;
+        if (look) look(execution);
         return result;
       }
     }

@@ -5,6 +5,8 @@
 /// blocking by passing, only by failing: the schedules around the stop are sampled.
 #pragma once
 
+#include <functional>
+
 #include "stress/checker/checker.hpp"
 
 namespace irt::checker {
@@ -17,8 +19,10 @@ struct ProgressResult {
   std::uint64_t executions = 0;
 };
 
-/// Stops each thread before each of its steps, with `schedules` random schedules for each.
+/// Stops each thread before each of its steps, with `schedules` random schedules for each. `look`
+/// gets the execution with the finding, if there is one.
 ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
-                              unsigned schedules);
+                              unsigned schedules,
+                              const std::function<void(const Execution&)>& look = {});
 
 }  // namespace irt::checker

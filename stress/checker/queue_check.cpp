@@ -48,6 +48,8 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
   const auto execution = repeat(client.scenario(), options, result.schedule);
   if (execution != nullptr) {
     text += columns(*execution, client.operations(), symbols);
+    if (finding.kind == FindingKind::deadlock || finding.kind == FindingKind::livelock)
+      text += "\n" + standings(*execution, symbols);
     text += "\n" + history(client.operations());
   }
   text += fmt::format("\nreplay: {} --shape '{}' --replay \"{}\"\n", command,
@@ -205,19 +207,26 @@ class QueueCheck {
 
   void stall(const std::string& text) {
     QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
-    const ProgressResult stalls =
-        check_progress(client.scenario(), settings_.options.limits, settings_.options.seed, 6);
-    ShapeResult shape{.shape = text, .search = "stalls"};
+    ShapeResult shape{text, "stalls", {}, 0, ""};
+    const ProgressResult stalls = check_progress(
+        client.scenario(), settings_.options.limits, settings_.options.seed, 6,
+        [&](const Execution& execution) {
+          if (!settings_.reports) return;
+          Symbols symbols(module_);
+          shape.report = fmt::format("{}: {}\n\n{}\n{}\n{}",
+                                     checker::name_of(FindingKind::blocked_by_stalled_thread),
+                                     sentence(*execution.finding(), symbols),
+                                     columns(execution, client.operations(), symbols),
+                                     standings(execution, symbols), history(client.operations()));
+        });
     shape.result.executions = stalls.executions;
     shape.result.finding = stalls.finding;
-    if (stalls.finding && settings_.reports) {
-      Symbols symbols(module_);
-      shape.report = fmt::format(
-          "{}: {}\n\n{}\nThe queue claims that a stopped thread does not stop the others; thread "
-          "{} was stopped before its step {}.\n",
-          checker::name_of(stalls.finding->kind), sentence(*stalls.finding, symbols),
-          history(client.operations()), stalls.thread, stalls.stopped + 1);
-    }
+    if (!shape.report.empty())
+      shape.report += fmt::format(
+          "\nThe queue claims that a stopped thread does not stop the others; thread {} was "
+          "stopped "
+          "before its step {}.\n",
+          stalls.thread, stalls.stopped + 1);
     add(std::move(shape));
   }
 

@@ -4,78 +4,39 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "stress/checker/values.hpp"
+
 namespace irt::checker {
 
 namespace {
 
-const char* name_of(Order order) {
-  static constexpr const char* names[] = {"relaxed", "consume", "acquire",
-                                          "release", "acq_rel", "seq_cst"};
-  return names[static_cast<unsigned>(order)];
-}
-
-/// Blocks of the heap by their number, so that a reader can tell nodes apart.
-class Names {
- public:
-  explicit Names(const Execution& execution) : heap_(execution.heap()) {}
-
-  [[nodiscard]] std::string value(Value value) const {
-    if (value >> 64 != 0)
-      return fmt::format("{{{}, {}}}", word(static_cast<std::uint64_t>(value)),
-                         static_cast<std::uint64_t>(value >> 64));
-    return word(static_cast<std::uint64_t>(value));
-  }
-
- private:
-  [[nodiscard]] std::string word(std::uint64_t word) const {
-    // Some algorithms keep marks in the bits that a pointer leaves unused.
-    const std::uint64_t address = word & 0xFFFF'FFFF'FFF8U;
-    const std::vector<Block>& blocks = heap_.blocks();
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (address < blocks[i].address || address >= blocks[i].address + blocks[i].size) continue;
-      std::string text = fmt::format("&{}", i + 1);
-      if (address != blocks[i].address) text += fmt::format("+{}", address - blocks[i].address);
-      if (word != address) text += "*";
-      return text;
-    }
-    return word < 1'000'000 ? std::to_string(word) : fmt::format("{:#x}", word);
-  }
-
-  const Heap& heap_;
-};
-
-std::string fitted(std::string text, std::size_t width) {
-  if (text.size() > width) text = text.substr(0, width - 1) + "~";
+std::string quoted(std::string text) {
+  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2)
+    text.insert(at, "\\");
   return text;
 }
 
-std::string what_it_did(const Event& event, const Names& names) {
-  switch (event.kind) {
-    case EventKind::load:
-      return (event.blocked ? " waits, sees " : " = ") + names.value(event.read);
-    case EventKind::store:
-      return " <- " + names.value(event.written);
-    case EventKind::modify:
-      return " = " + names.value(event.read) + " <- " + names.value(event.written);
-    case EventKind::choice:
-      return event.option == 0 ? "" : " (by chance)";
-    case EventKind::fence:
-    case EventKind::initial:
-      break;
-  }
-  return "";
+// Where a value comes from: "stored at queue.hpp:70 by thread 0".
+std::string origin(const Execution& execution, const Event& read, Symbols& symbols) {
+  const Event& store = execution.graph().event(read.from);
+  if (store.kind == EventKind::initial) return "as before the threads";
+  return fmt::format("stored at {} by thread {}", symbols.name(store.pc), store.thread);
 }
 
-// Threads that touch each location, as bits.
-std::vector<std::uint32_t> users(const Execution& execution) {
+// What the last round of its loop has read, or its last look at a lock or futex.
+std::vector<EventId> last_round(const Execution& execution, unsigned thread, const void* pc) {
   const Graph& graph = execution.graph();
-  std::vector<std::uint32_t> result(graph.locations());
-  for (unsigned thread = 0; thread < execution.threads(); ++thread)
-    for (const EventId id : graph.thread(thread).events) {
-      const Event& event = graph.event(id);
-      if (event.reads || event.writes) result[event.location] |= 1U << thread;
-    }
-  return result;
+  const std::vector<EventId>& events = graph.thread(thread).events;
+  std::vector<EventId> reads;
+  std::set<const void*> seen;
+  for (std::size_t i = events.size(); i-- > 0;) {
+    const Event& event = graph.event(events[i]);
+    if (!event.reads) continue;
+    if (!seen.insert(event.pc).second) break;
+    reads.insert(reads.begin(), events[i]);
+    if (event.pc == pc) break;
+  }
+  return reads;
 }
 
 }  // namespace
@@ -90,91 +51,40 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
   return text;
 }
 
-std::string columns(const Execution& execution, const std::vector<Operation>& operations,
-                    Symbols& symbols) {
-  const Graph& graph = execution.graph();
-  const Names names(execution);
-  const unsigned threads = execution.threads();
-  const std::size_t width = threads <= 2 ? 58 : threads == 3 ? 46 : 36;
-  const std::vector<std::uint32_t> who = users(execution);
-  std::string text;
-  std::string last;
-  std::size_t repeats = 0;
-  const auto flush = [&] {
-    if (repeats > 2)
-      text +=
-          std::string(last.find_first_not_of(' '), ' ') + fmt::format("... {} times\n", repeats);
-    if (repeats == 2) text += last;
-    repeats = 0;
-  };
-  const auto line = [&](unsigned thread, const std::string& content) {
-    const std::string next = std::string(thread * width, ' ') + fitted(content, width - 2) + "\n";
-    if (repeats != 0 && next == last) {
-      ++repeats;
-      return;
+std::string standings(const Execution& execution, Symbols& symbols) {
+  constexpr std::size_t most = 6;
+  Values values(execution.heap());
+  std::string text = "Where the threads stand:\n";
+  for (unsigned thread = 0; thread < execution.threads(); ++thread) {
+    const auto standing = execution.standing(thread);
+    const auto& events = execution.graph().thread(thread).events;
+    const void* last = events.empty() ? nullptr : execution.graph().event(events.back()).pc;
+    text += fmt::format("  thread {} ", thread);
+    if (execution.stopped(thread)) {
+      text += last == nullptr ? "was stopped before its first step\n"
+                              : fmt::format("was stopped after {}\n", symbols.name(last));
+      continue;
     }
-    flush();
-    text += next;
-    last = next;
-    repeats = 1;
-  };
-  for (unsigned thread = 0; thread < threads; ++thread)
-    text += fmt::format("{:<{}}", fmt::format("thread {}", thread), width);
-  text += "\n";
-  for (unsigned thread = 0; thread < threads; ++thread)
-    text += fmt::format("{:<{}}", std::string(width - 2, '-'), width);
-  text += "\n";
-
-  // Steps are counted as the execution does: events of the threads, in order.
-  std::size_t step = 0;
-  std::set<const Operation*> begun;
-  const auto announce = [&](unsigned thread) {
-    for (const Operation& o : operations)
-      if (o.phase == Operation::Phase::during && o.thread == thread && o.first_step <= step &&
-          begun.insert(&o).second)
-        line(thread, o.kind == Operation::Kind::push ? "push " + std::to_string(o.value) : "pop");
-  };
-  const auto conclude = [&](unsigned thread) {
-    for (const Operation& o : operations)
-      if (o.phase == Operation::Phase::during && o.thread == thread && o.finished &&
-          begun.contains(&o) && o.last_step == step)
-        line(thread, "  " + std::string(o.kind == Operation::Kind::push
-                                            ? (o.answered ? "-> done" : "-> full")
-                                            : (o.answered ? "-> " + std::to_string(o.value)
-                                                          : std::string("-> empty"))));
-  };
-  for (EventId id = 0; id < graph.size(); ++id) {
-    const Event& event = graph.event(id);
-    if (event.kind == EventKind::initial || event.thread >= threads) continue;
-    announce(event.thread);
-    const bool shared = event.kind == EventKind::fence || event.kind == EventKind::choice ||
-                        (who[event.location] & (who[event.location] - 1)) != 0;
-    if (shared) {
-      const Line& source = symbols.at(event.pc);
-      const std::string result = what_it_did(event, names);
-      std::string place = fmt::format("  {} ", source.number);
-      if (event.pc == nullptr) place = event.silent ? "  clock " : "  signal ";
-      std::string code = source.text.empty() ? std::string(name_of(event.order)) : source.text;
-      const std::size_t room = width - 2 - std::min(width / 2, place.size() + result.size());
-      place.append(fitted(code, room)).append(result);
-      line(event.thread, place);
-      const std::size_t choice =
-          step < execution.steps().size() ? execution.steps()[step].choice : 0;
-      if (choice != 0 && event.reads) {
-        const Location& location = graph.location(event.location);
-        const std::size_t at = graph.place_of(event.from);
-        if (at + 1 < location.stores.size()) {
-          const Event& newer = graph.event(location.stores[at + 1]);
-          line(event.thread, fmt::format("      ^ old: the store at {} by thread {}",
-                                         symbols.name(newer.pc), newer.thread));
-          line(event.thread, "        does not happen before this read");
-        }
-      }
+    if (execution.ended(thread)) {
+      text += "has ended\n";
+      continue;
     }
-    ++step;
-    conclude(event.thread);
+    const void* pc = standing ? standing->pc : last;
+    text += fmt::format("{} at {}",
+                        !standing                 ? "was"
+                        : standing->sleeps        ? "sleeps"
+                        : standing->location != 0 ? "waits"
+                                                  : "loops",
+                        pc == nullptr ? "its beginning" : symbols.name(pc));
+    const std::vector<EventId> reads = last_round(execution, thread, pc);
+    text += reads.empty() ? "\n" : ", and last saw\n";
+    for (std::size_t i = 0; i < std::min(reads.size(), most); ++i) {
+      const Event& read = execution.graph().event(reads[i]);
+      text += fmt::format("    {} {}, {}\n", symbols.name(read.pc),
+                          describe(read, symbols, values, 70), origin(execution, read, symbols));
+    }
+    if (reads.size() > most) text += fmt::format("    and {} more\n", reads.size() - most);
   }
-  flush();
   return text;
 }
 
@@ -203,15 +113,15 @@ std::string history(const std::vector<Operation>& operations) {
 
 std::string dot(const Execution& execution, Symbols& symbols) {
   const Graph& graph = execution.graph();
-  const Names names(execution);
+  Values values(execution.heap());
   std::string text = "digraph execution {\n  node [shape=box, fontname=monospace];\n";
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {
     text += fmt::format("  subgraph cluster_{0} {{ label=\"thread {0}\";\n", thread);
     EventId before = no_event;
     for (const EventId id : graph.thread(thread).events) {
       const Event& event = graph.event(id);
-      text += fmt::format("    e{} [label=\"{}\\n{}{}\"];\n", id, symbols.name(event.pc),
-                          name_of(event.order), what_it_did(event, names));
+      text += fmt::format("    e{} [label=\"{}\\n{}\"];\n", id, symbols.name(event.pc),
+                          quoted(describe(event, symbols, values, 60)));
       if (before != no_event) text += fmt::format("    e{} -> e{};\n", before, id);
       before = id;
     }

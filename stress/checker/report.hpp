@@ -12,10 +12,14 @@ namespace irt::checker {
 /// The finding's sentence with its places as file:line.
 std::string sentence(const Finding& finding, Symbols& symbols);
 
-/// The steps of the execution that `execution` made last, as columns. Steps at places that only
-/// one thread touches are left out.
+/// The steps of the execution that `execution` made last, as columns, with the plain accesses,
+/// allocations and frees that its finding speaks of, and the blocks of the heap that are named.
+/// Steps at places that only one thread touches are left out.
 std::string columns(const Execution& execution, const std::vector<Operation>& operations,
                     Symbols& symbols);
+
+/// Where each thread stands at the end of an execution that does not go on, and what it last saw.
+std::string standings(const Execution& execution, Symbols& symbols);
 
 /// The operations as lines with their intervals to scale: the scale is steps of this execution,
 /// and only happens-before says what came first.

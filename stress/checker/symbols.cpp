@@ -56,13 +56,39 @@ std::string quoted(const std::string& text) {
 
 const Line& Symbols::at(const void* pc) {
   const auto known = lines_.find(pc);
-  if (known != lines_.end()) return known->second;
-  Line& line = lines_[pc];
-  const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(pc) - module_.load_offset();
-  if (pc == nullptr) return line;
-  // Pairs of lines, innermost first: a function, then file:line.
-  const std::vector<std::string> frames = output_of(
-      fmt::format("addr2line -Cfi -e {} {:x} 2>/dev/null", quoted(module_.file()), address - 1));
+  if (known == lines_.end()) look_up({pc});
+  return lines_[pc];
+}
+
+void Symbols::look_up(const std::vector<const void*>& pcs) {
+  std::map<std::uintptr_t, const void*> asked;
+  for (const void* pc : pcs)
+    if (lines_.try_emplace(pc).second && pc != nullptr)
+      asked[reinterpret_cast<std::uintptr_t>(pc) - module_.load_offset() - 1] = pc;
+  if (asked.empty()) return;
+  std::string command = "addr2line -aCfi -e " + quoted(module_.file());
+  for (const auto& [address, pc] : asked) command += fmt::format(" {:x}", address);
+  // Each address as 0x..., then pairs of lines, innermost first: a function, then file:line.
+  const void* current = nullptr;
+  std::vector<std::string> frames;
+  const auto finish = [&] {
+    if (current != nullptr) lines_[current] = line_of(frames);
+    frames.clear();
+  };
+  for (const std::string& text : output_of(command + " 2>/dev/null")) {
+    if (!text.starts_with("0x") || frames.size() % 2 != 0) {
+      frames.push_back(text);
+      continue;
+    }
+    finish();
+    const auto found = asked.find(std::strtoull(text.c_str(), nullptr, 16));
+    current = found == asked.end() ? nullptr : found->second;
+  }
+  finish();
+}
+
+Line Symbols::line_of(const std::vector<std::string>& frames) {
+  Line line;
   for (std::size_t i = 0; i + 1 < frames.size(); i += 2) {
     const std::string& place = frames[i + 1];
     const std::size_t colon = place.rfind(':');

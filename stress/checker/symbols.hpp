@@ -16,10 +16,13 @@ struct Line {
   std::string text;  ///< the line itself, without indentation; empty if it cannot be read
 };
 
-/// Asks addr2line(1), once for each address.
+/// Asks addr2line(1), once for each address or for many at a time.
 class Symbols {
  public:
   explicit Symbols(const virtual_cores::Module& module) : module_(module) {}
+
+  /// Looks all of them up at once, for those who will ask for many.
+  void look_up(const std::vector<const void*>& pcs);
 
   /// The line of the call before `pc`: the innermost one that is not the standard library's, or
   /// the innermost one if all are.
@@ -33,6 +36,7 @@ class Symbols {
   std::vector<std::string> unseen_instructions();
 
  private:
+  Line line_of(const std::vector<std::string>& frames);
   const virtual_cores::Module& module_;
   std::map<const void*, Line> lines_;
   std::map<std::string, std::vector<std::string>> sources_;

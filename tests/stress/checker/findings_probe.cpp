@@ -88,7 +88,7 @@ const irt::findings::Program programs[] = {
       }},
      [] { block = new int(3); }},
     {"double free",
-     "invalid free",
+     "double free",
      {[] { std::free(block); },
       [] {
         if (x.exchange(1, std::memory_order_acq_rel) == 0) no_work();

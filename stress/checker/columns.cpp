@@ -1,0 +1,239 @@
+// The steps of an execution, a column for each thread.
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+#include <set>
+
+#include "stress/checker/fold.hpp"
+#include "stress/checker/report.hpp"
+#include "stress/checker/values.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+/// Threads that touch each location, as bits.
+std::vector<std::uint32_t> users(const Execution& execution) {
+  const Graph& graph = execution.graph();
+  std::vector<std::uint32_t> result(graph.locations());
+  for (unsigned thread = 0; thread < execution.threads(); ++thread)
+    for (const EventId id : graph.thread(thread).events) {
+      const Event& event = graph.event(id);
+      if (event.reads || event.writes) result[event.location] |= 1U << thread;
+    }
+  return result;
+}
+
+class Columns {
+ public:
+  Columns(const Execution& execution, const std::vector<Operation>& operations, Symbols& symbols)
+      : execution_(execution),
+        graph_(execution.graph()),
+        operations_(operations),
+        symbols_(symbols),
+        values_(execution.heap()),
+        threads_(execution.threads()),
+        width_(threads_ <= 2   ? 60
+               : threads_ == 3 ? 46
+                               : 36),
+        users_(users(execution)),
+        shown_(execution.finding() ? execution.finding()->moments.size() : 0) {
+    std::vector<const void*> pcs;
+    for (EventId id = 0; id < graph_.size(); ++id) pcs.push_back(graph_.event(id).pc);
+    for (const Block& block : execution.heap().blocks())
+      pcs.insert(pcs.end(), {block.allocated_at, block.freed_at});
+    symbols_.look_up(pcs);
+    std::map<std::string, unsigned> lines;
+    for (EventId id = 0; id < graph_.size(); ++id)
+      if (const Line& source = symbols_.at(graph_.event(id).pc); source.number != 0)
+        if (++lines[source.file] > lines[file_]) file_ = source.file;
+  }
+
+  std::string draw() {
+    for (EventId id = 0; id < graph_.size(); ++id) {
+      const Event& event = graph_.event(id);
+      if (event.kind == EventKind::initial || event.thread >= threads_) continue;
+      if (event.index == 1) show_moments(event.thread, 0, &event);
+      begin_calls(event.thread);
+      show(id);
+      ++step_;
+      show_moments(event.thread, event.index, next_of(event));
+      end_calls(event.thread);
+    }
+    for (unsigned thread = 0; thread < threads_; ++thread) show_rest(thread);
+    show_rest(threads_);
+    return text();
+  }
+
+ private:
+  void line(unsigned thread, const std::string& text, const std::string& what = "") {
+    rows_.push_back({thread, text, what.empty() ? text : what});
+  }
+
+  // A line of the file that most are of by its number, of others with their names.
+  [[nodiscard]] std::string place_of(const void* pc) const {
+    const Line& source = symbols_.at(pc);
+    if (source.number == 0) return "";
+    return source.file == file_ ? fmt::format("{} ", source.number) : symbols_.name(pc) + " ";
+  }
+
+  [[nodiscard]] const Event* next_of(const Event& event) const {
+    const std::vector<EventId>& events = graph_.thread(event.thread).events;
+    return event.index < events.size() ? &graph_.event(events[event.index]) : nullptr;
+  }
+
+  // Steps are counted as the execution does: events of the threads, in order.
+  void begin_calls(unsigned thread) {
+    for (const Operation& o : operations_)
+      if (o.phase == Operation::Phase::during && o.thread == thread && o.first_step <= step_ &&
+          begun_.insert(&o).second)
+        line(thread, o.kind == Operation::Kind::push ? fmt::format("push {}", o.value) : "pop");
+  }
+
+  void end_calls(unsigned thread) {
+    for (const Operation& o : operations_) {
+      if (o.phase != Operation::Phase::during || o.thread != thread || !o.finished ||
+          !begun_.contains(&o) || o.last_step != step_)
+        continue;
+      const bool push = o.kind == Operation::Kind::push;
+      line(thread, "  -> " + (o.no_memory  ? "no memory"
+                              : o.answered ? push ? "done" : std::to_string(o.value)
+                                           : std::string(push ? "full" : "empty")));
+    }
+  }
+
+  // What the finding speaks of, done by `thread` after so many events of its own. `next` is the
+  // event that follows: an atomic access is that event itself, and is marked when it is shown.
+  void show_moments(unsigned thread, std::uint16_t after, const Event* next) {
+    if (!execution_.finding()) return;
+    const std::vector<Moment>& moments = execution_.finding()->moments;
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+      const Moment& m = moments[i];
+      if (shown_[i] || m.thread != thread || m.after != after) continue;
+      if (next != nullptr && next->pc == m.pc && m.what.starts_with("atomic")) continue;
+      shown_[i] = true;
+      begin_calls(thread);
+      show(m);
+    }
+  }
+
+  void show(const Moment& m) {
+    const Line& source = symbols_.at(m.pc);
+    const std::string place = place_of(m.pc);
+    const std::size_t room = width_ - 6 - std::min<std::size_t>(20, m.what.size() + place.size());
+    const std::string text =
+        source.text.size() > room ? source.text.substr(0, room - 1) + "~" : source.text;
+    line(m.thread, fmt::format("  {}{}  {}", place, text, m.what));
+    if (!m.note.empty()) line(m.thread, "      ^ " + with_places(m.note));
+  }
+
+  [[nodiscard]] std::string with_places(const std::string& text) const {
+    return sentence({FindingKind::failure, text, execution_.finding()->places}, symbols_);
+  }
+
+  // The moments that no event of their thread followed; those of the preparing thread above all or
+  // below all columns.
+  void show_rest(unsigned thread) {
+    if (!execution_.finding()) return;
+    const std::vector<Moment>& moments = execution_.finding()->moments;
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+      const Moment& m = moments[i];
+      if (shown_[i] || m.thread != thread) continue;
+      shown_[i] = true;
+      if (thread < threads_)
+        show(m);
+      else if (m.after != 0)
+        last_ += fmt::format("after the threads: {} at {}{}\n", m.what, symbols_.name(m.pc),
+                             m.note.empty() ? "" : ", " + with_places(m.note));
+    }
+  }
+
+  // The note of the finding on an atomic access, which is `event`.
+  std::string note_on(const Event& event) {
+    if (!execution_.finding()) return "";
+    const std::vector<Moment>& moments = execution_.finding()->moments;
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+      const Moment& m = moments[i];
+      if (shown_[i] || m.thread != event.thread || m.after + 1 != event.index || m.pc != event.pc)
+        continue;
+      shown_[i] = true;
+      return with_places(m.note);
+    }
+    return "";
+  }
+
+  void show(EventId id) {
+    const Event& event = graph_.event(id);
+    const std::string note = note_on(event);
+    const bool touches = event.reads || event.writes;
+    const bool alone = touches && (users_[event.location] & (users_[event.location] - 1)) == 0;
+    if (alone && note.empty()) return;
+    const std::string place = "  " + place_of(event.pc);
+    line(event.thread, place + describe(event, symbols_, values_, width_ - 2 - place.size()),
+         fmt::format("{} {} {}", fmt::ptr(event.pc), static_cast<int>(event.kind), event.failed));
+    if (!note.empty()) line(event.thread, "      ^ " + note);
+    const std::size_t choice =
+        step_ < execution_.steps().size() ? execution_.steps()[step_].choice : 0;
+    if (choice == 0 || !touches) return;
+    // The store after it in modification order, of those made before it in this execution.
+    const std::vector<EventId>& stores = graph_.location(event.location).stores;
+    auto after = std::find(stores.begin(), stores.end(), event.reads ? event.from : id);
+    if (after == stores.end()) return;  // a plain write has replaced what was there
+    ++after;
+    while (after != stores.end() && *after >= id) ++after;
+    if (after == stores.end()) return;
+    const Event& newer = graph_.event(*after);
+    const std::string store =
+        fmt::format("the store at {} by thread {}", symbols_.name(newer.pc), newer.thread);
+    if (event.reads) {
+      line(event.thread, "      ^ old: " + store);
+      line(event.thread, "        does not happen before this read");
+    } else {
+      line(event.thread, "      ^ placed before " + store);
+      line(event.thread, "        in modification order");
+    }
+  }
+
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    if (!file_.empty())
+      text += fmt::format("Numbers are lines of {}.\n\n", file_.substr(file_.rfind('/') + 1));
+    const auto row = [&](auto cell) {
+      for (unsigned thread = 0; thread < threads_; ++thread)
+        text += thread + 1 < threads_ ? fmt::format("{:<{}}", cell(thread), width_) : cell(thread);
+      text += "\n";
+    };
+    row([](unsigned thread) { return fmt::format("thread {}", thread); });
+    row([this](unsigned) { return std::string(width_ - 2, '-'); });
+    for (const Row& r : fold(rows_)) text += std::string(r.thread * width_, ' ') + r.text + "\n";
+    text += last_;
+    if (const std::string legend = values_.legend(threads_, symbols_); !legend.empty())
+      text += "\nBlocks of the heap:\n" + legend;
+    return text;
+  }
+
+  const Execution& execution_;
+  const Graph& graph_;
+  const std::vector<Operation>& operations_;
+  Symbols& symbols_;
+  Values values_;
+  unsigned threads_;
+  std::size_t width_;
+  std::string file_;  ///< that most lines are of
+  std::vector<std::uint32_t> users_;
+  std::vector<bool> shown_;  ///< the finding's moments
+  std::vector<Row> rows_;
+  std::string last_;
+  std::size_t step_ = 0;
+  std::set<const Operation*> begun_;
+};
+
+}  // namespace
+
+std::string columns(const Execution& execution, const std::vector<Operation>& operations,
+                    Symbols& symbols) {
+  return Columns(execution, operations, symbols).draw();
+}
+
+}  // namespace irt::checker
