@@ -100,6 +100,10 @@ class Columns {
       line(thread, "  -> " + (o.no_memory  ? "no memory"
                               : o.answered ? push ? "done" : std::to_string(o.value)
                                            : std::string(push ? "full" : "empty")));
+      if (!execution_.finding() || execution_.finding()->kind != FindingKind::wrong_outcome)
+        continue;
+      if (const std::string why = contradiction(o, operations_); !why.empty())
+        line(thread, "      ^ " + why);
     }
   }
 

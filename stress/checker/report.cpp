@@ -51,6 +51,23 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
   return text;
 }
 
+std::string contradiction(const Operation& answer, const std::vector<Operation>& operations) {
+  using Kind = Operation::Kind;
+  if (answer.kind != Kind::pop || !answer.finished || answer.answered || answer.no_memory)
+    return "";
+  for (const Operation& push : operations) {
+    if (push.kind != Kind::push || !push.finished || !push.answered || !precedes(push, answer))
+      continue;
+    const bool taken = std::any_of(operations.begin(), operations.end(), [&](const Operation& o) {
+      return o.kind == Kind::pop && (!o.finished || (o.answered && o.value == push.value)) &&
+             !precedes(answer, o);
+    });
+    if (!taken)
+      return fmt::format("push {} happens before it, and nobody had taken that", push.value);
+  }
+  return "";
+}
+
 std::string standings(const Execution& execution, Symbols& symbols) {
   constexpr std::size_t most = 6;
   Values values(execution.heap());

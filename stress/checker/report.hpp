@@ -18,6 +18,10 @@ std::string sentence(const Finding& finding, Symbols& symbols);
 std::string columns(const Execution& execution, const std::vector<Operation>& operations,
                     Symbols& symbols);
 
+/// Why a pop's answer "empty" cannot be one of a FIFO queue, if one element shows it: "push 101
+/// happens before it, and nobody had taken that". Empty if none does, or if it is another answer.
+std::string contradiction(const Operation& answer, const std::vector<Operation>& operations);
+
 /// Where each thread stands at the end of an execution that does not go on, and what it last saw.
 std::string standings(const Execution& execution, Symbols& symbols);
 

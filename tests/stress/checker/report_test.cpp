@@ -140,6 +140,27 @@ TEST_F(Report, says_where_each_thread_stands) {
                    "x.load acquire = 3, stored at report_probe.cpp:# by thread 0"});
 }
 
+TEST(Contradiction, names_the_element_that_an_empty_missed) {
+  using checker::Operation;
+  using Kind = Operation::Kind;
+  using Phase = Operation::Phase;
+  const auto call = [](Kind kind, std::size_t number, Phase phase, bool answered,
+                       std::uint64_t value) {
+    return Operation{.kind = kind,
+                     .number = number,
+                     .phase = phase,
+                     .answered = answered,
+                     .finished = true,
+                     .value = value};
+  };
+  const Operation push = call(Kind::push, 0, Phase::before, true, 101);
+  const Operation empty = call(Kind::pop, 1, Phase::during, false, 0);
+  EXPECT_EQ(contradiction(empty, {push, empty, call(Kind::pop, 2, Phase::after, true, 101)}),
+            "push 101 happens before it, and nobody had taken that");
+  EXPECT_EQ(contradiction(empty, {push, call(Kind::pop, 0, Phase::during, true, 101), empty}), "");
+  EXPECT_EQ(contradiction(empty, {call(Kind::push, 2, Phase::during, true, 101), empty}), "");
+}
+
 TEST(Fold, leaves_what_does_not_repeat) {
   EXPECT_EQ(folded({"a", "b", "a", "b"}), "a\nb\na\nb\n");
   EXPECT_EQ(folded({"a1", "a2", "a3", "a4", "b"}), "a1\na2\na3\na4\nb\n");
