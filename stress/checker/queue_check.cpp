@@ -47,10 +47,7 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
       fmt::format("{}: {}\n\n", checker::name_of(finding.kind), sentence(finding, symbols));
   const auto execution = repeat(client.scenario(), options, result.schedule);
   if (execution != nullptr) {
-    text += columns(*execution, client.operations(), symbols);
-    if (finding.kind == FindingKind::deadlock || finding.kind == FindingKind::livelock)
-      text += "\n" + standings(*execution, symbols);
-    text += "\n" + history(client.operations());
+    text += picture(*execution, client.operations(), symbols);
   }
   text += fmt::format("\nreplay: {} --shape '{}' --replay \"{}\"\n", command,
                       to_string(client.shape()), to_string(result.schedule));
@@ -213,11 +210,10 @@ class QueueCheck {
         [&](const Execution& execution) {
           if (!settings_.reports) return;
           Symbols symbols(module_);
-          shape.report = fmt::format("{}: {}\n\n{}\n{}\n{}",
-                                     checker::name_of(FindingKind::blocked_by_stalled_thread),
-                                     sentence(*execution.finding(), symbols),
-                                     columns(execution, client.operations(), symbols),
-                                     standings(execution, symbols), history(client.operations()));
+          shape.report =
+              fmt::format("{}: {}\n\n{}", checker::name_of(FindingKind::blocked_by_stalled_thread),
+                          sentence(*execution.finding(), symbols),
+                          picture(execution, client.operations(), symbols));
         });
     shape.result.executions = stalls.executions;
     shape.result.finding = stalls.finding;
@@ -274,7 +270,7 @@ std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
   if (!dot_file.empty()) std::ofstream(dot_file) << dot(*execution, symbols);
   return fmt::format("{}: {}\n\n", checker::name_of(result.finding->kind),
                      sentence(*result.finding, symbols)) +
-         columns(*execution, client.operations(), symbols) + "\n" + history(client.operations());
+         picture(*execution, client.operations(), symbols);
 }
 
 }  // namespace irt::checker

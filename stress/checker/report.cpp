@@ -128,6 +128,15 @@ std::string history(const std::vector<Operation>& operations) {
   return text;
 }
 
+std::string picture(const Execution& execution, const std::vector<Operation>& operations,
+                    Symbols& symbols) {
+  std::string text = columns(execution, operations, symbols) + "\n";
+  const FindingKind kind = execution.finding() ? execution.finding()->kind : FindingKind::failure;
+  if (execution.freezes() || kind == FindingKind::deadlock || kind == FindingKind::livelock)
+    text += standings(execution, symbols) + "\n";
+  return text + history(operations);
+}
+
 std::string dot(const Execution& execution, Symbols& symbols) {
   const Graph& graph = execution.graph();
   Values values(execution.heap());

@@ -29,6 +29,10 @@ std::string standings(const Execution& execution, Symbols& symbols);
 /// and only happens-before says what came first.
 std::string history(const std::vector<Operation>& operations);
 
+/// All three, the second where threads do not go on.
+std::string picture(const Execution& execution, const std::vector<Operation>& operations,
+                    Symbols& symbols);
+
 /// The execution's graph in the language of Graphviz: program order, reads-from, and modification
 /// order.
 std::string dot(const Execution& execution, Symbols& symbols);
