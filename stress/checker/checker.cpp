@@ -18,12 +18,12 @@ std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget)
     case Search::bounded:
       return std::make_unique<DepthFirst>(budget);
     case Search::random:
-      return std::make_unique<RandomWalk>(options.seed * options.shards + options.shard);
+      return std::make_unique<RandomWalk>(options.seed, options.shard, options.shards);
     case Search::pct:
-      return std::make_unique<PriorityChanges>(options.seed * options.shards + options.shard,
+      return std::make_unique<PriorityChanges>(options.seed, options.shard, options.shards,
                                                options.depth);
     case Search::pos:
-      return std::make_unique<OrderSampling>(options.seed * options.shards + options.shard);
+      return std::make_unique<OrderSampling>(options.seed, options.shard, options.shards);
   }
   return nullptr;
 }
@@ -51,7 +51,9 @@ Result explore(const Options& options, Execution& execution) {
           options.progress(last);
         }
       }
-      if (made == options.executions || result.seconds > options.seconds) return result;
+      if (made == options.executions || result.seconds > options.seconds ||
+          (options.stops && options.stops(made)))
+        return result;
       const Outcome outcome = execution.run(*strategy);
       ++made;
       result.assumed_waits = execution.assumed_waits();
@@ -91,6 +93,7 @@ Result check(const Scenario& scenario, const Options& options) {
   if (options.watch_orders) execution.watch_orders();
   Result result = explore(options, execution);
   result.order_sites = execution.order_sites();
+  if (scenario.histories) result.histories = scenario.histories();
   return result;
 }
 

@@ -51,6 +51,8 @@ struct Options {
   bool watch_orders = false;  ///< fills Result::order_sites
   /// Called after each execution that ran to its end.
   std::function<void(const Execution&)> each{};
+  /// Asked before each execution, with the number of those before it; true ends the search.
+  std::function<bool(std::uint64_t)> stops{};
   /// Called every two seconds.
   std::function<void(const SearchProgress&)> progress{};
 };
@@ -59,10 +61,11 @@ struct Result {
   std::optional<Finding> finding;
   Schedule schedule{};  ///< of the execution that found it
   std::vector<Execution::OrderSite> order_sites{};
-  std::uint64_t executions = 0;   ///< of any outcome
-  std::uint64_t complete = 0;     ///< ran to their end
-  std::uint64_t blocked = 0;      ///< stopped at a wait that another execution ends
-  std::uint64_t cut = 0;          ///< given up as inconsistent
+  std::vector<std::uint64_t> histories{};  ///< see Scenario
+  std::uint64_t executions = 0;            ///< of any outcome
+  std::uint64_t complete = 0;              ///< ran to their end
+  std::uint64_t blocked = 0;               ///< stopped at a wait that another execution ends
+  std::uint64_t cut = 0;                   ///< given up as inconsistent
   std::size_t assumed_waits = 0;  ///< loops taken to wait although a counter of theirs changed
   double seconds = 0;
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds

@@ -27,6 +27,9 @@ struct Scenario {
   std::function<void()> finish;   ///< after all threads ended; may be empty
   /// After everything: what is wrong with the outcome, if anything. Runs outside of the cores.
   std::function<std::optional<std::string>(const Execution&)> judge;
+  /// What tells the outcomes that the judge was asked about from each other, a number for each; may
+  /// be empty.
+  std::function<std::vector<std::uint64_t>()> histories{};
   virtual_cores::Module* module = nullptr;  ///< its globals start afresh each time
 };
 

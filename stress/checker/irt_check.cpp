@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stress/checker/mutants_check.hpp"
+#include "stress/checker/parts.hpp"
 #include "stress/checker/queue_check.hpp"
 
 namespace {
@@ -219,6 +220,7 @@ int run(const CommandLine& line) {
 int run(int argc, char** argv) {
   CommandLine line;
   checker::CheckSettings& settings = line.settings;
+  settings.jobs = checker::processors();
   CLI::App app{
       "Explores every behaviour of a queue within a bound; docs/checker.md says what a "
       "pass means."};
@@ -250,6 +252,9 @@ int run(int argc, char** argv) {
   app.add_option("--replay", line.replay, "a schedule of an earlier report");
   app.add_option("--dot", line.dot_file, "with --replay: write the execution graph for Graphviz");
   app.add_option("--json", line.json_file, "write the results to this file");
+  app.add_option("--jobs", settings.jobs,
+                 "processes that share each search (default: all processors)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--shard", line.shard, "i/n: the i-th of n parts of the work");
   app.add_option("--merge", line.merge, "add up the JSON files of all shards");
   app.add_flag("--mutate-orders", line.mutate_orders,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "stress/checker/batteries.hpp"
+#include "stress/checker/parts.hpp"
 #include "stress/checker/progress.hpp"
 #include "stress/checker/report.hpp"
 
@@ -188,14 +189,15 @@ class QueueCheck {
     options.seconds = std::max(seconds, 0.01);
     if (!settings_.quiet)
       options.progress = [&](const SearchProgress& now) { say(shape.shape, shape.search, now); };
-    const Result before = std::exchange(shape.result, check(client.scenario(), options));
+    const Result before =
+        std::exchange(shape.result, check_in_parts(client.scenario(), options, settings_.jobs));
     shape.result.executions += before.executions;
     shape.result.complete += before.complete;
     shape.result.blocked += before.blocked;
     shape.result.cut += before.cut;
     if (shape.result.incomplete.empty()) shape.result.incomplete = before.incomplete;
     shape.result.seconds += before.seconds;
-    shape.histories = std::max(shape.histories, client.histories());
+    shape.histories = std::max(shape.histories, shape.result.histories.size());
     if (!shape.result.finding || !settings_.reports) return;
     const Result simple = simplest(client.scenario(), options, shape.result);
     shape.report =

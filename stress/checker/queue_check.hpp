@@ -14,6 +14,7 @@ struct CheckSettings {
   std::vector<std::string> shapes;  ///< empty: the battery of the queue's claims
   std::optional<Search> search;     ///< none: exhaustive, then bounded and sampled
   std::size_t capacity = 0;         ///< of the queue, where a shape leaves it open
+  unsigned jobs = 1;                ///< processes that share a search
   double seconds = 50;              ///< for all shapes and searches together, at most
   bool progress = true;             ///< stop threads to see whether others go on
   bool quiet = false;               ///< say nothing while running
@@ -29,10 +30,10 @@ struct ShapeResult {
   std::string shape;
   std::string search;  ///< which search it was
   Result result{};
-  std::size_t histories = 0;
-  std::string report{};    ///< of the finding; empty if there is none
-  bool proved = false;     ///< every execution was looked at, and everything in it was seen
-  std::string unproved{};  ///< why a whole search of this queue is no proof; empty if it is one
+  std::size_t histories = 0;  ///< different ones
+  std::string report{};       ///< of the finding; empty if there is none
+  bool proved = false;        ///< every execution was looked at, and everything in it was seen
+  std::string unproved{};     ///< why a whole search of this queue is no proof; empty if it is one
 };
 
 struct QueueResult {

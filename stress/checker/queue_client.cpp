@@ -37,6 +37,11 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     if (!stalled) delete queue_;
   };
   scenario_.judge = [this](const Execution& execution) { return judge_history(execution); };
+  scenario_.histories = [this] {
+    std::vector<std::uint64_t> result;
+    for (const auto& [key, fine] : judged_) result.push_back(std::hash<std::string>{}(key));
+    return result;
+  };
 }
 
 void QueueClient::run_letters(const std::string& letters, unsigned thread, unsigned worker) {

@@ -7,6 +7,7 @@
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -35,8 +36,6 @@ class QueueClient {
   [[nodiscard]] const Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const std::vector<Operation>& operations() const { return operations_; }
   [[nodiscard]] const Shape& shape() const { return shape_; }
-  /// Executions whose operations the claims were asked about; the others were known already.
-  [[nodiscard]] std::size_t histories() const { return judged_.size(); }
 
  private:
   void run_letters(const std::string& letters, unsigned thread, unsigned worker);

@@ -14,8 +14,8 @@ std::uint64_t Generator::next() {
 }
 
 bool RandomBase::begin() {
-  generator_ = Generator(Generator(seed_ + execution_).next());
-  ++execution_;
+  generator_ = Generator(Generator(next_).next());
+  next_ += shards_;
   return true;
 }
 

@@ -24,10 +24,13 @@ class Generator {
   std::uint64_t state_;
 };
 
-/// What the random strategies share: executions without end, choices other than threads.
+/// What the random strategies share: executions without end, choices other than threads. An
+/// execution depends on the seed and on its number; the `shard`-th of `shards` parts makes every
+/// `shards`-th.
 class RandomBase : public Strategy {
  public:
-  explicit RandomBase(std::uint64_t seed) : generator_(seed), seed_(seed) {}
+  explicit RandomBase(std::uint64_t seed, unsigned shard = 0, unsigned shards = 1)
+      : generator_(seed), next_(seed + shard), shards_(shards) {}
 
   bool begin() override;
   [[nodiscard]] bool wants_verified() const override { return false; }
@@ -38,8 +41,8 @@ class RandomBase : public Strategy {
   Generator generator_;
 
  private:
-  std::uint64_t seed_;
-  std::uint64_t execution_ = 0;
+  std::uint64_t next_;
+  unsigned shards_;
 };
 
 /// A fair coin at every step. Good at nothing in particular, bad at nothing.
@@ -53,7 +56,8 @@ class RandomWalk final : public RandomBase {
 /// and k steps with probability 1 / (n k^(depth-1)) or better. k is the longest execution so far.
 class PriorityChanges final : public RandomBase {
  public:
-  PriorityChanges(std::uint64_t seed, unsigned depth) : RandomBase(seed), depth_(depth) {}
+  PriorityChanges(std::uint64_t seed, unsigned shard, unsigned shards, unsigned depth)
+      : RandomBase(seed, shard, shards), depth_(depth) {}
 
   bool begin() override;
   unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;

@@ -1,9 +1,12 @@
 // Whole queues by shapes: proofs for healthy ones, findings for faults, and how much work it is.
 
+#include <csignal>
 #include <gtest/gtest.h>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "stress/checker/parts.hpp"
 #include "stress/checker/progress.hpp"
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/queue_client.hpp"
@@ -165,6 +168,55 @@ TEST_F(Queues, parts_of_the_work_add_up) {
     sum += part.complete;
   }
   EXPECT_EQ(sum, whole.complete);
+}
+
+TEST_F(Queues, processes_share_the_work_and_add_it_up) {
+  checker::QueueClient client(entry("healthy"), checker::parse_shape("ED|EDD|D"), 2, &module_);
+  const checker::Result whole = checker::check(client.scenario(), {});
+  const checker::Result parts = checker::check_in_parts(client.scenario(), {}, 3);
+  ASSERT_GT(whole.executions, 4096U) << "too few to be worth several processes";
+  EXPECT_TRUE(parts.finished);
+  EXPECT_EQ(parts.complete, whole.complete);
+  EXPECT_EQ(parts.blocked, whole.blocked);
+  EXPECT_EQ(parts.histories.size(), whole.histories.size());
+}
+
+// About one execution in 3,000 fails, whichever process makes it.
+TEST_F(Queues, processes_agree_on_what_they_have_found) {
+  checker::QueueClient client(entry("healthy"), checker::parse_shape("ED|EDD|D"), 2, &module_);
+  checker::Scenario scenario = client.scenario();
+  scenario.judge = [](const checker::Execution& execution) -> std::optional<std::string> {
+    const std::string steps = to_string(checker::Schedule{execution.steps(), true});
+    if (std::hash<std::string>{}(steps) % 3000 != 7) return std::nullopt;
+    return steps;
+  };
+  for (const checker::Search search : {checker::Search::exhaustive, checker::Search::random}) {
+    const checker::Options options{.search = search, .executions = 200'000};
+    const checker::Result first = checker::check_in_parts(scenario, options, 3);
+    ASSERT_TRUE(first.finding);
+    for (int again = 0; again < 3; ++again) {
+      const checker::Result result = checker::check_in_parts(scenario, options, 3);
+      ASSERT_TRUE(result.finding);
+      EXPECT_EQ(result.finding->text, first.finding->text);
+      EXPECT_EQ(result.schedule.steps, first.schedule.steps);
+    }
+  }
+}
+
+TEST_F(Queues, a_process_that_crashes_is_no_verdict) {
+  checker::QueueClient client(entry("healthy"), checker::parse_shape("ED|EDD|D"), 2, &module_);
+  checker::Scenario scenario = client.scenario();
+  scenario.judge = [&, made = 0](const checker::Execution&) mutable -> std::optional<std::string> {
+    if (++made == 9000) std::raise(SIGKILL);
+    return std::nullopt;
+  };
+  try {
+    checker::check_in_parts(scenario, {}, 2);
+    FAIL() << "a crash was swallowed";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("crashed: signal 9"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Judge, orders_operations_by_happens_before_only) {

@@ -1,0 +1,402 @@
+#include "stress/checker/parts.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <poll.h>
+#include <sched.h>
+#include <stdexcept>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <type_traits>
+#include <unistd.h>
+
+namespace irt::checker {
+
+namespace {
+
+/// So many executions are made by one process before others are asked: most searches end sooner.
+constexpr std::uint64_t alone_first = 4096;
+constexpr double alone_seconds = 0.1;
+/// A part that makes no execution for so long after its time is up is hung.
+constexpr double patience = 120;
+
+/// What the parts tell while they work, in memory that all share.
+struct Told {
+  std::atomic<std::uint64_t> made{0};
+  std::atomic<std::uint64_t> steps{0};
+  std::atomic<double> explored{0};
+};
+struct Shared {
+  std::atomic<std::uint64_t> first_finding{~std::uint64_t{0}};
+  Told parts[CPU_SETSIZE];
+};
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<double>::is_always_lock_free);
+
+class SharedMemory {
+ public:
+  SharedMemory() {
+    void* memory =
+        mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED)
+      throw std::runtime_error(std::string("cannot share memory with the parts of a search: ") +
+                               std::strerror(errno));
+    shared_ = new (memory) Shared;
+  }
+  SharedMemory(const SharedMemory&) = delete;
+  SharedMemory& operator=(const SharedMemory&) = delete;
+  ~SharedMemory() { munmap(shared_, sizeof(Shared)); }
+  Shared* operator->() const { return shared_; }
+
+ private:
+  Shared* shared_;
+};
+
+// --- Results as bytes -------------------------------------------------------------------------
+
+struct Writer {
+  std::string bytes{};
+
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class T>
+  void put_all(const T& values) {
+    put(values.size());
+    for (const auto& value : values) put(value);
+  }
+};
+
+struct Reader {
+  const std::string& bytes;
+  std::size_t at = 0;
+
+  template <class T>
+  T take() {
+    T value;
+    if (bytes.size() - at < sizeof value)
+      throw std::runtime_error("a part of the search sent half a result");
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+    return value;
+  }
+  template <class T>
+  T take_all() {
+    T values;
+    for (auto left = take<std::size_t>(); left > 0; --left)
+      values.push_back(take<typename T::value_type>());
+    return values;
+  }
+};
+
+static_assert(sizeof(Finding) == sizeof(std::string) + 2 * sizeof(std::vector<int>) + 8,
+              "a finding has a new field, which to_bytes and from_bytes must send too");
+
+std::string to_bytes(const Result& r) {
+  Writer w;
+  w.put(r.finding.has_value());
+  if (r.finding) {
+    w.put(r.finding->kind);
+    w.put_all(r.finding->text);
+    w.put_all(r.finding->places);
+    w.put(r.finding->moments.size());
+    for (const Moment& moment : r.finding->moments) {
+      w.put(moment.thread);
+      w.put(moment.after);
+      w.put(moment.pc);
+      w.put_all(moment.what);
+      w.put_all(moment.note);
+    }
+  }
+  w.put_all(r.schedule.steps);
+  w.put(r.schedule.waiting_resumes);
+  w.put_all(r.order_sites);
+  w.put_all(r.histories);
+  w.put_all(r.incomplete);
+  for (const std::uint64_t count : {r.executions, r.complete, r.blocked, r.cut}) w.put(count);
+  w.put(r.assumed_waits);
+  w.put(r.finished);
+  w.put(r.explored);
+  return std::move(w.bytes);
+}
+
+Result from_bytes(const std::string& bytes) {
+  Reader in{bytes};
+  Result r;
+  if (in.take<bool>()) {
+    r.finding.emplace();
+    r.finding->kind = in.take<FindingKind>();
+    r.finding->text = in.take_all<std::string>();
+    r.finding->places = in.take_all<std::vector<const void*>>();
+    for (auto left = in.take<std::size_t>(); left > 0; --left) {
+      Moment moment;
+      moment.thread = in.take<unsigned>();
+      moment.after = in.take<std::uint16_t>();
+      moment.pc = in.take<const void*>();
+      moment.what = in.take_all<std::string>();
+      moment.note = in.take_all<std::string>();
+      r.finding->moments.push_back(std::move(moment));
+    }
+  }
+  r.schedule.steps = in.take_all<std::vector<Step>>();
+  r.schedule.waiting_resumes = in.take<bool>();
+  r.order_sites = in.take_all<std::vector<Execution::OrderSite>>();
+  r.histories = in.take_all<std::vector<std::uint64_t>>();
+  r.incomplete = in.take_all<std::string>();
+  for (std::uint64_t* count : {&r.executions, &r.complete, &r.blocked, &r.cut})
+    *count = in.take<std::uint64_t>();
+  r.assumed_waits = in.take<std::size_t>();
+  r.finished = in.take<bool>();
+  r.explored = in.take<double>();
+  return r;
+}
+
+// --- The parts --------------------------------------------------------------------------------
+
+/// What a child does: its part of the search. The first byte sent says whether a result or an
+/// error follows.
+std::string work(const Scenario& scenario, Options options, Shared& shared) {
+  Told& told = shared.parts[options.shard];
+  options.stops = [&, part = options.shard, parts = options.shards](std::uint64_t made) {
+    told.made.store(made, std::memory_order_relaxed);
+    return made * parts + part > shared.first_finding.load(std::memory_order_relaxed);
+  };
+  options.progress = [&](const SearchProgress& now) {
+    told.steps.store(now.steps, std::memory_order_relaxed);
+    told.explored.store(now.explored, std::memory_order_relaxed);
+  };
+  try {
+    const Result result = check(scenario, options);
+    if (result.finding) {
+      const std::uint64_t mine = told.made * options.shards + options.shard;
+      std::uint64_t first = shared.first_finding;
+      while (mine < first && !shared.first_finding.compare_exchange_weak(first, mine)) {
+      }
+    }
+    return 'r' + to_bytes(result);
+  } catch (const std::exception& error) {
+    return std::string("e") + error.what();
+  }
+}
+
+/// A child and what it has sent so far.
+struct Part {
+  pid_t process = -1;
+  int pipe = -1;
+  std::string sent{};
+  std::uint64_t made = 0;  ///< when it last went on ...
+  double since = 0;        ///< ... and when that was
+};
+
+class Parts {
+ public:
+  Parts(const Scenario& scenario, const Options& options, unsigned count) : options_(options) {
+    std::fflush(nullptr);
+    for (unsigned part = 0; part < count; ++part) start(scenario, part, count);
+  }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+  /// Ends those that still run, as after an error.
+  ~Parts() {
+    for (const Part& part : parts_) {
+      if (part.pipe >= 0) close(part.pipe);
+      if (part.process < 0) continue;
+      kill(part.process, SIGKILL);
+      waitpid(part.process, nullptr, 0);
+    }
+  }
+
+  Result results() {
+    while (std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return p.pipe >= 0; })) {
+      listen();
+      tell();
+    }
+    return merged();
+  }
+
+ private:
+  void start(const Scenario& scenario, unsigned number, unsigned count) {
+    int ends[2];
+    const pid_t parent = getpid();
+    if (pipe(ends) != 0) fail("pipe");
+    const pid_t child = fork();
+    if (child < 0) fail("fork");
+    if (child != 0) {
+      close(ends[1]);
+      parts_.push_back({.process = child, .pipe = ends[0]});
+      return;
+    }
+    // Whoever ends the parent, the children go with it.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);
+    close(ends[0]);
+    Options options = options_;
+    options.shard = number;
+    options.shards = count;
+    options.executions = options.executions == ~std::uint64_t{0}
+                             ? options.executions
+                             : options.executions / count + (number < options.executions % count);
+    const std::string bytes = work(scenario, std::move(options), *shared_.operator->());
+    for (std::size_t at = 0; at < bytes.size();) {
+      const ssize_t written = write(ends[1], bytes.data() + at, bytes.size() - at);
+      if (written < 0 && errno != EINTR) _exit(1);
+      at += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+    }
+    _exit(0);
+  }
+
+  /// Takes in what has come, and waits a little if that is nothing.
+  void listen() {
+    std::vector<pollfd> open;
+    for (const Part& part : parts_) open.push_back({part.pipe, POLLIN, 0});
+    if (poll(open.data(), open.size(), 200) < 0 && errno != EINTR) fail("poll");
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      Part& part = parts_[i];
+      if (part.pipe < 0) continue;
+      if (open[i].revents == 0) {
+        watch(i);
+        continue;
+      }
+      char buffer[1 << 16];
+      const ssize_t count = read(part.pipe, buffer, sizeof buffer);
+      if (count > 0) part.sent.append(buffer, static_cast<std::size_t>(count));
+      if (count == 0 || (count < 0 && errno != EINTR)) end(i);
+    }
+  }
+
+  void end(std::size_t number) {
+    Part& part = parts_[number];
+    close(part.pipe);
+    part.pipe = -1;
+    int status = 0;
+    waitpid(part.process, &status, 0);
+    part.process = -1;
+    const std::string name = this->name(number);
+    if (WIFSIGNALED(status))
+      throw std::runtime_error(name + " crashed: signal " + std::to_string(WTERMSIG(status)) +
+                               " (" + strsignal(WTERMSIG(status)) +
+                               "); that is a fault of the checker or of compiled code that the "
+                               "queue calls; --jobs 1 runs in one process, for a debugger");
+    if (WEXITSTATUS(status) != 0 || part.sent.empty())
+      throw std::runtime_error(name + " ended with status " + std::to_string(WEXITSTATUS(status)) +
+                               " and without a result");
+    if (part.sent.front() == 'e') throw std::runtime_error(part.sent.substr(1));
+  }
+
+  /// Executions always end by themselves, unless the checker does not see what they do.
+  void watch(std::size_t number) {
+    Part& part = parts_[number];
+    const std::uint64_t made = shared_->parts[number].made.load(std::memory_order_relaxed);
+    const double now = seconds();
+    if (made != part.made || now < options_.seconds) {
+      part.made = made;
+      part.since = now;
+    } else if (now - part.since > patience) {
+      throw std::runtime_error(name(number) + " hangs in its execution " +
+                               std::to_string(made + 1) +
+                               ": code that the checker does not see loops for ever");
+    }
+  }
+
+  void tell() {
+    if (!options_.progress || seconds() < told_.seconds + 2) return;
+    SearchProgress now{.seconds = seconds()};
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Told& part = shared_->parts[i];
+      now.executions += part.made;
+      now.steps = std::max<std::size_t>(now.steps, part.steps);
+      now.explored += part.explored / static_cast<double>(parts_.size());
+    }
+    now.per_second =
+        static_cast<double>(now.executions - told_.executions) / (now.seconds - told_.seconds);
+    told_ = now;
+    options_.progress(now);
+  }
+
+  Result merged() const {
+    Result sum;
+    sum.finished = true;
+    std::uint64_t first = ~std::uint64_t{0};
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      Result part = from_bytes(parts_[i].sent.substr(1));
+      const std::uint64_t found_at = shared_->parts[i].made * parts_.size() + i;
+      if (part.finding && found_at < first) {
+        first = found_at;
+        sum.finding = std::move(part.finding);
+        sum.schedule = std::move(part.schedule);
+      }
+      for (const Execution::OrderSite& site : part.order_sites)
+        if (std::none_of(sum.order_sites.begin(), sum.order_sites.end(), [&site](const auto& s) {
+              return s.pc == site.pc && s.failure == site.failure;
+            }))
+          sum.order_sites.push_back(site);
+      sum.histories.insert(sum.histories.end(), part.histories.begin(), part.histories.end());
+      if (sum.incomplete.empty()) sum.incomplete = part.incomplete;
+      sum.executions += part.executions;
+      sum.complete += part.complete;
+      sum.blocked += part.blocked;
+      sum.cut += part.cut;
+      sum.assumed_waits += part.assumed_waits;
+      sum.finished = sum.finished && part.finished;
+      sum.explored += part.explored / static_cast<double>(parts_.size());
+    }
+    std::sort(sum.histories.begin(), sum.histories.end());
+    sum.histories.erase(std::unique(sum.histories.begin(), sum.histories.end()),
+                        sum.histories.end());
+    sum.seconds = seconds();
+    return sum;
+  }
+
+  [[nodiscard]] std::string name(std::size_t number) const {
+    return "part " + std::to_string(number) + " of " + std::to_string(parts_.size()) +
+           " of the search";
+  }
+  [[noreturn]] static void fail(const char* call) {
+    throw std::runtime_error(std::string("cannot divide the search: ") + call + ": " +
+                             std::strerror(errno) + "; --jobs 1 needs no other process");
+  }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+  const Options& options_;
+  SharedMemory shared_{};
+  std::vector<Part> parts_{};
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  SearchProgress told_{};
+};
+
+}  // namespace
+
+unsigned processors() {
+  cpu_set_t mine;
+  if (sched_getaffinity(0, sizeof mine, &mine) != 0) return 1;
+  return static_cast<unsigned>(std::max(CPU_COUNT(&mine), 1));
+}
+
+Result check_in_parts(const Scenario& scenario, const Options& options, unsigned jobs) {
+  jobs = std::min<unsigned>(jobs, CPU_SETSIZE);
+  if (jobs <= 1 || options.shards > 1 || options.each || options.search == Search::bounded ||
+      options.seconds <= alone_seconds)
+    return check(scenario, options);
+  Options little = options;
+  little.executions = std::min(options.executions, alone_first);
+  little.seconds = alone_seconds;
+  Result result = check(scenario, little);
+  if (result.finding || result.finished || result.executions >= options.executions) return result;
+  const double spent = result.seconds;
+  Options rest = options;
+  rest.seconds -= spent;
+  result = Parts(scenario, rest, jobs).results();
+  result.seconds += spent;
+  return result;
+}
+
+}  // namespace irt::checker
