@@ -7,6 +7,8 @@
 #include <fstream>
 #include <memory>
 
+#include "stress/checker/unannounced.hpp"
+
 namespace irt::checker {
 
 namespace {
@@ -114,19 +116,27 @@ Line Symbols::line_of(const std::vector<std::string>& frames) {
 
 std::vector<std::string> Symbols::unseen_instructions() {
   std::vector<std::string> result;
-  for (const std::string& line :
-       output_of("objdump -d --no-show-raw-insn " + quoted(module_.file()) + " 2>/dev/null")) {
+  const std::string file = quoted(module_.file());
+  const std::vector<std::string> code =
+      output_of("objdump -d -w --no-show-raw-insn " + file + " 2>/dev/null");
+  const auto add = [&](std::uint64_t at, std::string_view instruction) {
+    const std::uintptr_t address = module_.load_offset() + at;
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
+    const std::string place = name(reinterpret_cast<const void*>(address + 1));
+    result.push_back(fmt::format("{} at {}", instruction, place));
+  };
+  for (const std::string& line : code) {
     const std::size_t tab = line.find('\t');
     if (tab == std::string::npos) continue;
     const std::string_view instruction = std::string_view(line).substr(tab + 1);
     if (!escapes_hooks(instruction)) continue;
-    const std::uintptr_t address = module_.load_offset() + std::strtoull(line.c_str(), nullptr, 16);
-    // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
-    const std::string place = name(reinterpret_cast<const void*>(address + 1));
     const std::size_t words = instruction.starts_with("lock ") ? instruction.find(' ') + 1 : 0;
     const std::size_t end = instruction.find_first_of(" \t", words);
-    result.push_back(fmt::format("{} at {}", instruction.substr(0, end), place));
+    add(std::strtoull(line.c_str(), nullptr, 16), instruction.substr(0, end));
   }
+  for (const Unannounced& access :
+       unannounced(code, output_of("objdump -h -w " + file + " 2>/dev/null")))
+    if (!escapes_hooks(access.name + " ")) add(access.address, access.name);
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;

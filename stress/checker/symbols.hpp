@@ -32,7 +32,8 @@ class Symbols {
   std::string name(const void* pc);
 
   /// Instructions of the module that touch memory behind the checker's back, by objdump(1):
-  /// "lock xadd at queue.hpp:12". They come from inline assembly and from intrinsics.
+  /// "lock xadd at queue.hpp:12". They come from inline assembly, from intrinsics and from what the
+  /// compiler does not announce.
   std::vector<std::string> unseen_instructions();
 
  private:

@@ -9,7 +9,12 @@
 /// Nothing says that the thread sanitizer is on: libraries choose other code by that, also the C++
 /// library (`shared_ptr`). GCC's macro is undefined on the command line; Clang is asked by
 /// `__has_feature`, which answers here as `__has_extension` does for everything else.
+/// A section says that the plug-in announcer.cpp was there: results of calls are on stacks then.
 #pragma once
+
+#if defined(IRT_VC_ANNOUNCER)
+asm(".pushsection irt_announced,\"\",@progbits\n.byte 1\n.popsection\n");
+#endif
 
 #if !defined(__clang__)
 asm(".macro pause\n"

@@ -149,6 +149,18 @@ const Program programs[] = {
 
 }  // namespace
 
+// What no hook announces.
+extern "C" long irt_forms_unseen(long* place) {
+  long read = 0;
+  asm volatile("mov %1, %0" : "=r"(read) : "m"(*place));
+  asm volatile("movq $1, %0" : "=m"(*place));
+  asm volatile("addq $1, (%0)" : : "r"(place) : "memory");
+  return read;
+}
+extern "C" [[gnu::no_sanitize_thread]] void irt_forms_left_out(long* place) {
+  *place = 1;
+}
+
 extern "C" const Program* irt_forms_programs(unsigned* count) {
   *count = sizeof programs / sizeof *programs;
   return programs;

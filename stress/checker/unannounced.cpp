@@ -1,0 +1,531 @@
+#include "stress/checker/unannounced.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include "stress/checker/instruction.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+/// A value by name: a root, which is something unknown, and a distance from it.
+struct Value {
+  std::uint32_t root = 0;  ///< 0: a number, or an address in the file
+  std::int64_t offset = 0;
+  friend auto operator<=>(const Value&, const Value&) = default;
+};
+
+constexpr std::uint32_t stack_root = 1;
+constexpr std::uint32_t argument_root = 2;  ///< what rdi was at the beginning
+
+/// Names for unknown values: the same for the same operation on the same values.
+class Names {
+ public:
+  using Key = std::tuple<std::string, Value, Value, std::int64_t>;
+
+  Value of(const std::string& what, Value a = {}, Value b = {}, std::int64_t c = 0,
+           bool on_stack = false) {
+    const auto [known, fresh] = roots_.try_emplace({what, a, b, c}, next_);
+    if (fresh) {
+      ++next_;
+      on_stack_.push_back(on_stack);
+    } else if (!on_stack) {
+      on_stack_[known->second - argument_root - 1] = false;
+    }
+    return {known->second, 0};
+  }
+  [[nodiscard]] bool on_stack(Value value) const {
+    return value.root == stack_root ||
+           (value.root > argument_root && on_stack_[value.root - argument_root - 1]);
+  }
+  void leave_stack(Value value) {
+    if (value.root > argument_root) on_stack_[value.root - argument_root - 1] = false;
+  }
+
+ private:
+  std::map<Key, std::uint32_t> roots_;
+  std::vector<bool> on_stack_;
+  std::uint32_t next_ = argument_root + 1;
+};
+
+struct Announced {
+  Value begin;
+  std::int64_t bytes = 0;
+  bool writes = false;
+  bool used = false;  ///< an access has followed
+  friend bool operator==(const Announced&, const Announced&) = default;
+};
+
+struct State {
+  bool reached = false;
+  std::array<Value, registers> in{};
+  std::map<std::int64_t, Value> slots{};  ///< 8 bytes of the stack each, by distance from its top
+  std::vector<Announced> announced{};
+};
+
+/// Where memory that may change lies in the file: .data and .bss.
+struct Section {
+  std::uint64_t begin, end;
+};
+
+struct Block {
+  std::size_t first = 0, end = 0;  ///< instructions
+  std::vector<std::size_t> next{};
+  bool entered = false;  ///< by a jump or from above; if not, by the unwinder or a table
+  State before{};
+};
+
+bool is_hook(const std::string& target) {
+  return target.starts_with("__tsan_") && target.find("atomic") == std::string::npos;
+}
+
+/// How many bytes a hook announces; -1: rsi says it, 0: none.
+std::int64_t hooked_bytes(const std::string& target) {
+  if (target.ends_with("_range")) return -1;
+  if (target.find("vptr") != std::string::npos) return 8;
+  if (target.find("read") == std::string::npos && target.find("write") == std::string::npos)
+    return 0;
+  return std::strtol(target.c_str() + target.find_last_not_of("0123456789") + 1, nullptr, 10);
+}
+
+class Function {
+ public:
+  Function(std::vector<Instruction> code, const std::vector<Section>& writable,
+           bool results_on_stack)
+      : code_(std::move(code)), writable_(writable), results_on_stack_(results_on_stack) {}
+
+  std::vector<Unannounced> run() {
+    divide();
+    State entry;
+    entry.reached = true;
+    for (std::uint8_t r = 0; r < registers; ++r) entry.in[r] = names_.of("entry", {0, r});
+    entry.in[rsp] = {stack_root, 0};
+    entry.in[rdi] = {argument_root, 0};
+    std::set<std::size_t> found = interpret_from(0, entry);
+    // The unwinder and tables of jumps enter other blocks, each in the state of one of the calls or
+    // jumps. An access that is announced is so in one of these at least.
+    std::vector<State> entries = std::move(left_);
+    for (std::size_t block = 1; block < blocks_.size(); ++block) {
+      if (blocks_[block].entered || is_padding(blocks_[block])) continue;
+      std::optional<std::set<std::size_t>> in_all;
+      for (std::size_t i = 0; i < entries.size() && (!in_all || !in_all->empty()); ++i) {
+        left_.clear();
+        const std::set<std::size_t> here = interpret_from(block, entries[i]);
+        if (in_all)
+          std::erase_if(*in_all, [&](std::size_t access) { return !here.contains(access); });
+        else
+          in_all = here;
+        // Handlers call, too, and what they call may throw.
+        if (in_all->empty() || i == 0)
+          std::move(left_.begin(), left_.end(), std::back_inserter(entries));
+      }
+      if (in_all) found.insert(in_all->begin(), in_all->end());
+    }
+    std::vector<Unannounced> result;
+    for (const std::size_t i : found) {
+      const bool writes = writes_[i];
+      if (returns_argument_ && results_on_stack_ && to_argument_.contains(i)) continue;
+      result.push_back({code_[i].address, code_[i].name, writes});
+    }
+    return result;
+  }
+
+ private:
+  void divide() {
+    std::set<std::uint64_t> starts;
+    std::map<std::uint64_t, std::size_t> at;
+    for (std::size_t i = 0; i < code_.size(); ++i) {
+      const Instruction& instruction = code_[i];
+      at[instruction.address] = i;
+      if (!instruction.is_jump() && instruction.falls_through()) continue;
+      if (instruction.is_jump()) starts.insert(instruction.target_address);
+      if (i + 1 < code_.size()) starts.insert(code_[i + 1].address);
+    }
+    std::map<std::size_t, std::size_t> block_at;
+    for (std::size_t i = 0; i < code_.size(); ++i) {
+      if (i == 0 || starts.contains(code_[i].address)) {
+        block_at[i] = blocks_.size();
+        blocks_.push_back({.first = i, .end = i});
+      }
+      blocks_.back().end = i + 1;
+    }
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      const Instruction& last = code_[blocks_[b].end - 1];
+      if (last.falls_through() && b + 1 < blocks_.size()) blocks_[b].next.push_back(b + 1);
+      const auto target = at.find(last.target_address);
+      if (last.is_jump() && target != at.end())
+        blocks_[b].next.push_back(block_at.at(target->second));
+    }
+    for (const Block& block : blocks_)
+      for (const std::size_t next : block.next) blocks_[next].entered = true;
+  }
+
+  [[nodiscard]] bool is_padding(const Block& block) const {
+    for (std::size_t i = block.first; i < block.end; ++i) {
+      const Instruction& at = code_[i];
+      if (at.name.find("nop") == std::string::npos && !(at.is("xchg") && at.only_pads()))
+        return false;
+    }
+    return true;
+  }
+
+  /// Which accesses are not announced on the paths from block `first`.
+  std::set<std::size_t> interpret_from(std::size_t first, const State& entry) {
+    ++run_;
+    for (Block& block : blocks_) block.before = {};
+    blocks_[first].before = entry;
+    collect_ = false;
+    changed_ = true;
+    // Names are never forgotten, so this ends; the number is for code that nobody has thought of.
+    for (int round = 0; round < 50 && changed_; ++round) {
+      changed_ = false;
+      for (std::size_t block = 0; block < blocks_.size(); ++block) interpret(block);
+    }
+    collect_ = true;
+    found_.clear();
+    for (std::size_t block = 0; block < blocks_.size(); ++block) interpret(block);
+    return std::move(found_);
+  }
+
+  /// Paths meet at block `number`: what they agree on stays.
+  void meet(State& to, const State& from, std::size_t number) {
+    if (!from.reached) return;
+    if (!to.reached) {
+      to = from;
+      changed_ = true;
+      return;
+    }
+    // Places that differ by the same on both paths go on doing so: they get one new value.
+    struct Place {
+      Value& mine;
+      Value other;
+      std::int64_t number;
+    };
+    std::vector<Place> places;
+    for (std::uint8_t r = 0; r < registers; ++r) places.push_back({to.in[r], from.in[r], r});
+    for (const auto& [place, value] : from.slots) {
+      // A slot that one path has not written yet is not read before it is.
+      const auto [slot, fresh] = to.slots.try_emplace(place, value);
+      changed_ = changed_ || fresh;
+      places.push_back({slot->second, value, registers + place});
+    }
+    std::map<std::tuple<std::uint32_t, std::uint32_t, std::int64_t>, Value> joined;
+    for (Place& place : places) {
+      Value& mine = place.mine;
+      const Value other = place.other;
+      if (mine == other) continue;
+      const auto [known, fresh] =
+          joined.try_emplace({mine.root, other.root, mine.offset - other.offset});
+      if (fresh)
+        known->second = names_.of("join", {0, static_cast<std::int64_t>(number)}, {0, run_},
+                                  place.number, true);
+      const Value value = known->second;
+      if (names_.on_stack(value) && (!names_.on_stack(mine) || !names_.on_stack(other))) {
+        changed_ = true;
+        names_.leave_stack(value);
+      }
+      if (mine.root == value.root) continue;
+      mine.root = value.root;
+      changed_ = true;
+    }
+    const std::size_t before = to.announced.size();
+    std::erase_if(to.announced, [&](const Announced& a) {
+      return std::find(from.announced.begin(), from.announced.end(), a) == from.announced.end();
+    });
+    changed_ = changed_ || to.announced.size() != before;
+  }
+
+  void interpret(std::size_t number) {
+    if (!blocks_[number].before.reached) return;
+    State state = blocks_[number].before;
+    for (std::size_t i = blocks_[number].first; i < blocks_[number].end; ++i) step(state, i);
+    if (collect_) return;
+    for (const std::size_t next : blocks_[number].next) meet(blocks_[next].before, state, next);
+  }
+
+  Value address_of(const State& state, const Operand& operand) {
+    if (operand.absolute) return {0, operand.offset};
+    Value value{0, operand.offset};
+    if (operand.base != no_register) value = sum(state.in[operand.base], value);
+    if (operand.index == no_register) return value;
+    const Value index = state.in[operand.index];
+    if (index.root == 0) return {value.root, value.offset + index.offset * operand.scale};
+    const Value scaled =
+        operand.scale == 1 ? index : names_.of("scale", {index.root, 0}, {}, operand.scale);
+    const Value far = sum({value.root, 0}, {scaled.root, 0});
+    return {far.root, far.offset + value.offset + index.offset * operand.scale};
+  }
+
+  Value sum(Value a, Value b) {
+    if (a.root == 0) return {b.root, b.offset + a.offset};
+    if (b.root == 0) return {a.root, a.offset + b.offset};
+    const Value root = names_.of("+", {std::min(a.root, b.root), 0}, {std::max(a.root, b.root), 0},
+                                 0, names_.on_stack(a) || names_.on_stack(b));
+    return {root.root, a.offset + b.offset};
+  }
+
+  Value read(State& state, const Operand& operand, const Instruction& at) {
+    if (operand.kind == Operand::Kind::immediate) return {0, operand.offset};
+    if (operand.kind == Operand::Kind::reg && operand.base != no_register)
+      return state.in[operand.base];
+    const Value own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
+    if (operand.kind != Operand::Kind::memory || operand.segment) return own;
+    const Value place = address_of(state, operand);
+    if (place.root == 0) return is_writable(place.offset) ? own : names_.of("constant", place);
+    if (place.root != stack_root) return own;
+    return state.slots.try_emplace(place.offset, own).first->second;
+  }
+
+  void write(State& state, const Operand& operand, Value value, const Instruction& at) {
+    if (operand.kind == Operand::Kind::reg) {
+      if (operand.base != no_register) state.in[operand.base] = value;
+      return;
+    }
+    if (operand.kind != Operand::Kind::memory || operand.segment) return;
+    const Value place = address_of(state, operand);
+    if (place.root != stack_root) return;
+    // Up to 16 bytes are written; what is narrower than 8 is no value that anybody asks for.
+    const bool whole = at.name == "mov" || at.name == "movq";
+    const std::int64_t end = place.offset + (whole ? 8 : 16);
+    for (auto slot = state.slots.lower_bound(place.offset - 7);
+         slot != state.slots.end() && slot->first < end; ++slot)
+      slot->second = names_.of("part", {0, static_cast<std::int64_t>(at.address)}, {}, slot->first);
+    state.slots[place.offset] = value;
+  }
+
+  [[nodiscard]] bool is_writable(std::int64_t address) const {
+    return std::any_of(writable_.begin(), writable_.end(), [address](const Section& section) {
+      return static_cast<std::uint64_t>(address) >= section.begin &&
+             static_cast<std::uint64_t>(address) < section.end;
+    });
+  }
+
+  void check(State& state, Value place, const MemoryUse& use, std::size_t at) {
+    if (names_.on_stack(place) || (place.root == 0 && !is_writable(place.offset))) return;
+    const auto fits = [&](const Announced& a) {
+      return a.bytes >= use.bytes && (a.writes || !use.writes);
+    };
+    for (Announced& a : state.announced) {
+      if (a.begin.root != place.root || place.offset < a.begin.offset || !fits(a) ||
+          place.offset + use.bytes > a.begin.offset + a.bytes)
+        continue;
+      a.used = true;
+      return;
+    }
+    // A compiler knows of equal values that have two names here (it has compared them, say). So a
+    // hook that no access has followed yet, for a place that may be this one, is taken for its own.
+    for (auto a = state.announced.rbegin(); a != state.announced.rend(); ++a) {
+      if (a->used || !fits(*a) || a->begin.root == place.root || a->begin.root == 0 ||
+          place.root == 0 || names_.on_stack(a->begin))
+        continue;
+      a->used = true;
+      state.announced.push_back({place, a->bytes, a->writes, true});
+      return;
+    }
+    found_.insert(at);
+    writes_[at] = use.writes;
+    if (place.root == argument_root) to_argument_.insert(at);
+  }
+
+  void call(State& state, const Instruction& at) {
+    if (!is_hook(at.target)) {
+      // The address of a thread's own variables stays what it is.
+      const bool own = at.target.find("tls_get_addr") != std::string::npos;
+      const Value asked = state.in[rdi];
+      if (!own) state.announced.clear();
+      forget(state, at);
+      if (own) state.in[rax] = names_.of("thread", asked);
+    } else {
+      std::int64_t bytes = hooked_bytes(at.target);
+      if (bytes < 0)
+        bytes = state.in[rsi].root == 0 ? state.in[rsi].offset
+                                        : std::numeric_limits<std::int32_t>::max();
+      if (bytes != 0)
+        state.announced.push_back(
+            {state.in[rdi], bytes, at.target.find("read") == std::string::npos});
+      forget(state, at);
+    }
+    if (collect_) leave(state);
+  }
+
+  /// What a call may change.
+  void forget(State& state, const Instruction& at) {
+    for (std::uint8_t r = 0; r < 12; ++r)
+      if (r != rbx && r != rsp && r != rbp)
+        state.in[r] = names_.of("after", {0, static_cast<std::int64_t>(at.address)}, {}, r);
+  }
+
+  /// The unwinder, or a table of jumps, may go on from here.
+  void leave(State state) {
+    state.announced.clear();
+    left_.push_back(std::move(state));
+  }
+
+  void step(State& state, std::size_t number) {
+    const Instruction& at = code_[number];
+    if (collect_)
+      for (const MemoryUse& use : memory_uses(at))
+        check(state, address_of(state, use.place), use, number);
+    if (at.is_call()) return call(state, at);
+    if (at.is("ret") || at.is("repz ret")) {
+      returns_argument_ = returns_argument_ || state.in[rax] == Value{argument_root, 0};
+      return;
+    }
+    if (at.is_jump()) {
+      if (at.target_address == 0 && collect_) leave(state);
+      return;
+    }
+    if (at.is("push")) {
+      const Value value = read(state, at.operands[0], at);
+      state.in[rsp].offset -= 8;
+      if (state.in[rsp].root == stack_root) state.slots[state.in[rsp].offset] = value;
+      return;
+    }
+    if (at.is("pop") && at.operands.size() == 1) {
+      static const Operand top{.kind = Operand::Kind::memory, .base = rsp};
+      write(state, at.operands[0], read(state, top, at), at);
+      state.in[rsp].offset += 8;
+      return;
+    }
+    if (at.is("leave")) {
+      static const Operand top{.kind = Operand::Kind::memory, .base = rsp};
+      state.in[rsp] = state.in[rbp];
+      state.in[rbp] = read(state, top, at);
+      state.in[rsp].offset += 8;
+      return;
+    }
+    compute(state, at);
+  }
+
+  void compute(State& state, const Instruction& at) {
+    const Value own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
+    if (at.is("cltq") || at.is("cwtl")) {
+      state.in[rax] = names_.of(at.name, state.in[rax]);
+    } else if (at.is("cqto") || at.is("cltd")) {
+      state.in[rdx] = names_.of(at.name, state.in[rax]);
+    } else if (at.is("rep") || at.is("cpuid") || at.is("rdtsc") || at.is("syscall") ||
+               at.is("xgetbv")) {
+      for (const std::uint8_t r : {rax, rcx, rdx, rsi, rdi})
+        state.in[r] = names_.of("after", own, {}, r, names_.on_stack(state.in[r]));
+    } else if (at.operands.size() == 1 &&
+               (at.is("mul") || at.is("imul") || at.is("div") || at.is("idiv"))) {
+      state.in[rax] = names_.of("after", own, {}, rax);
+      state.in[rdx] = names_.of("after", own, {}, rdx);
+    }
+    if (at.operands.empty() || at.only_reads() || at.is("lock") || at.is("nop")) return;
+    const Operand& to = at.operands.back();
+    if (at.is("xchg") && at.operands.size() == 2) {
+      const Value a = read(state, at.operands[0], at);
+      const Value b = read(state, at.operands[1], at);
+      write(state, at.operands[0], b, at);
+      write(state, at.operands[1], a, at);
+      return;
+    }
+    write(state, to, result_of(state, at, own), at);
+  }
+
+  Value result_of(State& state, const Instruction& at, Value own) {
+    const Operand& from = at.operands.front();
+    const Operand& to = at.operands.back();
+    const bool wide = to.kind == Operand::Kind::memory || to.bytes == 8;
+    if (at.is("lea")) return wide ? address_of(state, from) : own;
+    const bool moves =
+        at.name == "mov" || at.name == "movq" || at.name == "movabs" || at.name == "movl";
+    if (moves && (from.kind == Operand::Kind::immediate || (wide && from.bytes != 4)))
+      return from.kind == Operand::Kind::reg && from.base == no_register ? own
+                                                                         : read(state, from, at);
+    if (at.is("xor") && at.operands.size() == 2 && from.kind == Operand::Kind::reg &&
+        from.base == to.base)
+      return {0, 0};
+    if (to.kind == Operand::Kind::memory) return own;
+    if (at.is("set") || at.operands.size() > 2) return own;
+    const Value a = at.operands.size() == 2 ? read(state, from, at) : Value{};
+    const Value b = read(state, to, at);
+    if (wide && at.is("add")) return sum(a, b);
+    if (wide && at.is("sub") && a.root == 0) return {b.root, b.offset - a.offset};
+    if (wide && at.is("inc")) return {b.root, b.offset + 1};
+    if (wide && at.is("dec")) return {b.root, b.offset - 1};
+    const bool copies = at.is("mov") || at.is("movz") || at.is("movs") || at.is("cvt");
+    const bool keeps_stack = (at.is("and") && wide && names_.on_stack(b)) ||
+                             (at.is("cmov") && names_.on_stack(a) && names_.on_stack(b)) ||
+                             (at.is("sub") && wide && names_.on_stack(b) && !names_.on_stack(a));
+    return names_.of(at.name, a, copies ? Value{} : b, from.bytes * 16 + to.bytes, keeps_stack);
+  }
+
+  std::vector<Instruction> code_;
+  const std::vector<Section>& writable_;
+  bool results_on_stack_;
+  std::vector<Block> blocks_;
+  Names names_;
+  std::int64_t run_ = 0;
+  bool changed_ = false;
+  bool collect_ = false;
+  bool returns_argument_ = false;
+  std::vector<State> left_;  ///< after calls and at indirect jumps
+  std::set<std::size_t> found_, to_argument_;
+  std::map<std::size_t, bool> writes_;
+};
+
+/// The C runtime's own, which the linker puts into every module.
+bool is_start_up(const std::string& name) {
+  static const std::set<std::string> names{"deregister_tm_clones", "register_tm_clones",
+                                           "__do_global_dtors_aux", "frame_dummy"};
+  return names.contains(name);
+}
+
+}  // namespace
+
+std::vector<Unannounced> unannounced(const std::vector<std::string>& disassembly,
+                                     const std::vector<std::string>& sections) {
+  std::vector<Section> writable;
+  bool results_on_stack = false;
+  for (const std::string& line : sections) {
+    char name[64] = "";
+    unsigned long size = 0;
+    unsigned long begin = 0;
+    if (std::sscanf(line.c_str(), " %*d %63s %lx %lx", name, &size, &begin) != 3) continue;
+    const std::string_view section = name;
+    if (section == ".data" || section == ".bss") writable.push_back({begin, begin + size});
+    results_on_stack = results_on_stack || section == "irt_announced";
+  }
+  // A function and its unlikely part, NAME.cold, are one.
+  std::map<std::string, std::array<std::vector<Instruction>, 2>> functions;
+  std::string function;
+  bool is_cold = false;
+  bool is_text = false;
+  for (const std::string& line : disassembly) {
+    if (line.starts_with("Disassembly of section"))
+      is_text = line.find(" .text") != std::string::npos;
+    if (const std::size_t open = line.find(" <"); line.ends_with(">:") && open == 16) {
+      function = line.substr(open + 2, line.size() - open - 4);
+      const std::size_t cold = function.rfind(".cold");
+      is_cold = cold != std::string::npos;
+      if (is_cold) function.erase(cold);
+      continue;
+    }
+    if (!is_text || is_start_up(function)) continue;
+    if (auto instruction = parse_instruction(line))
+      functions[function][is_cold ? 1 : 0].push_back(std::move(*instruction));
+  }
+  std::vector<Unannounced> result;
+  for (auto& [name, parts] : functions) {
+    std::vector<Instruction> code = std::move(parts[0]);
+    std::move(parts[1].begin(), parts[1].end(), std::back_inserter(code));
+    for (Unannounced& found : Function(std::move(code), writable, results_on_stack).run())
+      result.push_back(std::move(found));
+  }
+  std::sort(result.begin(), result.end(),
+            [](const auto& a, const auto& b) { return a.address < b.address; });
+  return result;
+}
+
+}  // namespace irt::checker
