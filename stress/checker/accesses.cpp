@@ -162,19 +162,33 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
       event.failed = request.compares && meaning == Meaning::load;
     };
     std::size_t place = newest;
+    const auto before = std::find_if(me().visits.begin(), me().visits.end(),
+                                     [&](const Visit& v) { return v.pc == request.pc; });
     if (phase_ == Phase::parallel) {
+      std::optional<std::size_t> same;  // where what the loop insists on is
+      if (me().insists != nullptr && before != me().visits.end() &&
+          before->read >= me().round_began)
+        same = graph_.find_place(id, before->store);
+      const auto may_read_again = [&] {
+        prepare(Meaning::load);
+        return decide(value_at(*same)) == Meaning::load &&
+               *same >= graph_.lowest_readable(thread, id) &&
+               graph_.allows_read(event, id, *same, false);
+      };
       if (const auto planned = strategy_->planned_place(*this, event, id)) {
         place = *planned;
+        event.settled = same == place && decide(value_at(place)) == Meaning::load;
+      } else if (same && may_read_again()) {
+        place = *same;
+        event.settled = true;
       } else {
         options_.clear();
         const bool fresh = me().fresh_reads != 0;
         if (fresh) --me().fresh_reads;
         std::size_t lowest = fresh ? newest : graph_.lowest_readable(thread, id);
-        const auto before = std::find_if(me().visits.begin(), me().visits.end(),
-                                         [&](const Visit& v) { return v.pc == request.pc; });
-        if (before != me().visits.end() && before->count >= limits_.same_reads &&
-            graph_.event(before->from).location == id && !is_newest(before->from))
-          lowest = std::max(lowest, graph_.place_of(before->from) + 1);
+        if (before != me().visits.end() && before->count >= limits_.same_reads)
+          if (const auto old = graph_.find_place(id, before->from); old && !is_newest(before->from))
+            lowest = std::max(lowest, *old + 1);
         const bool verified = strategy_->wants_verified();
         for (std::size_t p = newest + 1; p-- > lowest;) {
           const Meaning meaning = decide(value_at(p));
@@ -205,6 +219,7 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
     const Value value = value_at(place);
     const Meaning meaning = decide(value);
     prepare(meaning);
+    if (!event.settled) me().insists = nullptr;
     if (meaning == Meaning::wait) {
       if (phase_ == Phase::parallel && !strategy_->resumes_waiting()) {
         graph_.finish_load(event, id, place);

@@ -42,7 +42,7 @@ struct Limits {
   /// no place reads one more often while there is a newer one.
   unsigned same_reads = 20;
   /// A thread is taken to wait if it makes so many events without reading anything new.
-  std::size_t events_without_news = 150;
+  std::size_t events_without_news = 400;
   bool reuse_memory = false;         ///< a thread may get back what it freed, as a choice
   unsigned failing_allocations = 0;  ///< so many in an execution may fail, each as a choice
   bool weak_may_fail = false;        ///< compare_exchange_weak fails for no reason, as a choice
@@ -175,7 +175,8 @@ class Execution final : public virtual_cores::Tenant {
   /// A load that a loop may come back to.
   struct Visit {
     const void* pc = nullptr;
-    EventId from = no_event;
+    EventId from = no_event;   ///< what it read, see source_of ...
+    EventId store = no_event;  ///< ... and the very store
     std::uint64_t hash = 0;
     std::uint32_t effects = 0;
     std::uint32_t read = 0;     ///< its number among the reads of its thread
@@ -192,6 +193,7 @@ class Execution final : public virtual_cores::Tenant {
     bool assumed = false;             ///< waits only because it looked like a loop
     bool timed = false;               ///< waits with a time-out
     bool endless = false;             ///< goes on for ever if nobody stores anything
+    const void* insists = nullptr;    ///< the loop that reads what it has read until it gives up
     std::uint32_t turns = 0;          ///< how often it went on because nobody else could
     std::uint32_t reads = 0;          ///< so far
     std::uint32_t round_began = 0;    ///< with this read of its own, when it waits in a loop
@@ -309,6 +311,7 @@ class Execution final : public virtual_cores::Tenant {
   /// Sixteen-byte units that are accessed in different sizes, and the size that covers them.
   std::unordered_map<std::uintptr_t, std::uint32_t> widened_;
   std::unordered_set<const void*> loop_heads_;
+  std::unordered_set<const void*> never_gives_up_;  ///< loops that count and do not give up
   std::vector<std::uint32_t> next_location_;  ///< by location: another one in the same eight bytes
   bool stack_locations_ = false;
   std::vector<std::uintptr_t> stacks_;  ///< of the cores: lowest addresses

@@ -61,6 +61,12 @@ bool Exhaustive::expects_more(unsigned thread) const {
   return remaining_[thread] != 0;
 }
 
+bool Exhaustive::expects_choice(unsigned thread, const void* pc) const {
+  for (std::size_t i = position_; i < current_.plan.size(); ++i)
+    if (current_.plan[i].thread == thread) return current_.plan[i].choice == pc;
+  return false;
+}
+
 std::optional<std::size_t> Exhaustive::planned_place(Execution& execution, Event& event,
                                                      std::uint32_t location) {
   if (position_ == current_.plan.size()) return std::nullopt;
@@ -132,7 +138,8 @@ std::size_t Exhaustive::choose_place(Execution& execution, Event& event, std::ui
 unsigned Exhaustive::choose_other(Execution&, Event& event, unsigned count) {
   if (position_ != current_.plan.size()) return current_.plan[position_].option;
   for (unsigned option = 1; option < count; ++option)
-    push({.option = option, .read_stamp = stamp_ + 1, .thread = event.thread}, false);
+    push({.choice = event.pc, .option = option, .read_stamp = stamp_ + 1, .thread = event.thread},
+         false);
   return 0;
 }
 
@@ -154,7 +161,8 @@ void Exhaustive::added(Execution& execution, const Event& made) {
   }
   if (event.writes && event.write_stamp == 0) event.write_stamp = ++stamp_;
 
-  Planned planned{.option = event.option,
+  Planned planned{.choice = event.kind == EventKind::choice ? event.pc : nullptr,
+                  .option = event.option,
                   .read_stamp = event.read_stamp,
                   .write_stamp = event.write_stamp,
                   .thread = event.thread};
@@ -241,7 +249,7 @@ void Exhaustive::revisit(const Execution& execution, const Event& store, std::ui
   std::vector<bool> gone(graph.size());
   for (const EventId read_id : location.reads) {
     const Event& read = graph.event(read_id);
-    if (search.is_store(read) || search.in_prefix(read)) continue;
+    if (read.settled || search.is_store(read) || search.in_prefix(read)) continue;
     if (!search.dullest(read_id)) continue;
 
     // What came after the read and did not lead to the store is taken back.

@@ -41,6 +41,7 @@ class Exhaustive final : public Strategy {
   std::optional<std::size_t> planned_place(Execution& execution, Event& event,
                                            std::uint32_t location) override;
   [[nodiscard]] bool expects_more(unsigned thread) const override;
+  [[nodiscard]] bool expects_choice(unsigned thread, const void* pc) const override;
   [[nodiscard]] bool left_out() const override { return left_out_; }
   [[nodiscard]] double explored() const override { return explored_ / (explored_ + open_); }
   [[nodiscard]] bool counted_elsewhere() const override { return shared_ && shard_ != 0; }
@@ -50,7 +51,8 @@ class Exhaustive final : public Strategy {
  private:
   /// An event to be made again.
   struct Planned {
-    Ref from = initial_ref;  ///< what it reads or, for a store, what it comes after
+    const void* choice = nullptr;  ///< where it is, if it is one
+    Ref from = initial_ref;        ///< what it reads or, for a store, what it comes after
     std::uint32_t option = 0;
     std::uint32_t read_stamp = 0;
     std::uint32_t write_stamp = 0;  ///< 0: to be given when it is made

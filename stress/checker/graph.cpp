@@ -51,7 +51,7 @@ Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc
   event.kind = kind;
   event.thread = static_cast<std::uint8_t>(thread);
   event.order = order;
-  event.blocked = event.reads = event.writes = event.failed = event.silent = false;
+  event.blocked = event.reads = event.writes = event.failed = event.settled = event.silent = false;
   event.index = static_cast<std::uint16_t>(mine.now.count[thread] + 1);
   event.node = no_node;
   event.from = no_event;
@@ -94,6 +94,13 @@ std::size_t Graph::place_of(EventId store) const {
   std::size_t place = stores.size() - 1;
   while (stores[place] != store) --place;
   return place;
+}
+
+std::optional<std::size_t> Graph::find_place(std::uint32_t id, EventId store) const {
+  const std::vector<EventId>& stores = locations_[id].stores;
+  const auto found = std::find(stores.rbegin(), stores.rend(), store);
+  if (found == stores.rend()) return std::nullopt;
+  return static_cast<std::size_t>(stores.rend() - found) - 1;
 }
 
 EventId Graph::find(Ref ref, std::uint32_t location) const {

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "stress/checker/clock.hpp"
@@ -54,6 +55,7 @@ struct Event {
   bool reads = false;            ///< has a store it read from
   bool writes = false;           ///< is in its location's modification order
   bool failed = false;           ///< a compare-exchange that wrote nothing
+  bool settled = false;          ///< a read of which no other way is looked at
   bool silent = false;           ///< has its place in every order and synchronises with nothing
   std::uint16_t index = 0;       ///< in its thread, from 1
   std::uint16_t node = no_node;  ///< among the seq_cst operations
@@ -155,6 +157,8 @@ class Graph {
   }
   /// The place of `store` in the modification order of its location.
   [[nodiscard]] std::size_t place_of(EventId store) const;
+  /// Its place at `location`; none if it is no store of that location, or no more.
+  [[nodiscard]] std::optional<std::size_t> find_place(std::uint32_t location, EventId store) const;
   [[nodiscard]] EventId find(Ref ref, std::uint32_t location) const;
 
  private:

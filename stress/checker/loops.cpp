@@ -11,8 +11,11 @@ using virtual_cores::host;
 
 // A loop that comes back to a load with the same registers and the same stack, having written
 // nothing and read the same stores, will do so forever, until somebody writes. That is known for
-// sure. A loop that carries a counter is only assumed to wait, after many rounds: it goes on when
-// nobody else can, each in turn, until it ends or is seen to be endless.
+// sure. A loop that carries a counter may give up in the end. So after many rounds there is a
+// choice: it is taken to wait, and goes on when nobody else can, each in turn, until it ends or is
+// seen to be endless; or it *insists* on what it has read until it gives up. What happens if it
+// sees the news in a round between these is what happens if it sees them in one of the first, but
+// for the counter.
 
 std::uint64_t Execution::hash_of_core() const {
   const virtual_cores::Registers& r = virtual_cores::registers();
@@ -37,11 +40,12 @@ void Execution::check_loop(const void* pc) {
   if (loop_heads_.contains(pc)) state.entry_hash = hash_of_core();
   const auto visit = std::find_if(state.visits.begin(), state.visits.end(),
                                   [pc](const Visit& v) { return v.pc == pc; });
-  if (visit == state.visits.end() || strategy_->expects_more(cores_.current())) return;
+  if (visit == state.visits.end() || state.insists) return;
+  const bool settled = strategy_->expects_more(cores_.current());
   const bool repeats = visit->effects == state.effects;
   bool certain = false;
   if (repeats) {
-    if (!loop_heads_.contains(pc) && visit->count >= 2) {
+    if (!loop_heads_.contains(pc) && visit->count >= 2 && !settled) {
       // From now on the first visit is hashed too, which shortens every later execution.
       loop_heads_.insert(pc);
       stop(Outcome::restart);
@@ -51,7 +55,18 @@ void Execution::check_loop(const void* pc) {
   // A loop that writes may do so for a purpose, and is given more time.
   const std::uint32_t patience = (repeats ? 1 : 4) * limits_.same_reads + visit->wait_at;
   if (!certain && visit->count < patience) return;
-  state.round_began = visit->read;
+  const std::uint32_t round_began = visit->read;
+  const bool first_time = visit->wait_at == 0;
+  if (!certain || settled) visit->wait_at = visit->count;
+  const bool asks = settled ? strategy_->expects_choice(cores_.current(), pc)
+                            : !certain && !never_gives_up_.contains(pc);
+  if (first_time && asks && chosen(pc)) {
+    state.insists = pc;
+    state.round_began = round_began;
+    return;
+  }
+  if (settled) return;
+  state.round_began = round_began;
   if (strategy_->resumes_waiting() && !sees_newest(state) && !visit->refreshed) {
     visit->refreshed = true;
     state.fresh_reads = state.reads - state.round_began + 1;
@@ -60,7 +75,6 @@ void Execution::check_loop(const void* pc) {
   if (!certain) {
     state.assumed = true;
     ++assumed_waits_;
-    visit->wait_at = visit->count;
   }
   wait_here(0, pc);
 }
@@ -90,6 +104,7 @@ bool Execution::sees_newest(const ThreadState& state) const {
 
 void Execution::note_visit(const void* pc, EventId from) {
   if (phase_ != Phase::parallel) return;
+  const EventId store = from;
   from = source_of(from);
   ThreadState& state = me();
   auto visit = std::find_if(state.visits.begin(), state.visits.end(),
@@ -105,6 +120,7 @@ void Execution::note_visit(const void* pc, EventId from) {
   visit->hashed = loop_heads_.contains(pc);
   visit->hash = state.entry_hash;
   visit->from = from;
+  visit->store = store;
   visit->effects = state.effects;
   visit->read = ++state.reads;
   ++visit->count;
@@ -115,7 +131,7 @@ void Execution::note_visit(const void* pc, EventId from) {
 void Execution::check_news(const void* pc) {
   ThreadState& state = me();
   const std::size_t events = graph_.thread(cores_.current()).events.size();
-  if (events < state.news_since + limits_.events_without_news ||
+  if (events < state.news_since + limits_.events_without_news || state.insists != nullptr ||
       strategy_->expects_more(cores_.current()))
     return;
   state.news_since = events;
@@ -154,6 +170,11 @@ void Execution::check_limit(const void* pc) {
   };
   if (phase_ != Phase::parallel || !used_up(thread)) return;
   ThreadState& state = states_[thread];
+  if (state.insists != nullptr) {
+    // It does not give up within what is looked at: from now on it is taken to wait.
+    never_gives_up_.insert(state.insists);
+    stop(Outcome::restart);
+  }
   bool others_could = false;
   bool others_may = false;
   for (unsigned other = 0; other < main_; ++other) {

@@ -15,6 +15,9 @@ std::optional<std::size_t> Strategy::planned_place(Execution&, Event&, std::uint
 bool Strategy::expects_more(unsigned) const {
   return false;
 }
+bool Strategy::expects_choice(unsigned, const void*) const {
+  return false;
+}
 std::uint32_t Strategy::choose(ChoiceKind, std::uint32_t) {
   return 0;
 }

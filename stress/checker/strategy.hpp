@@ -74,6 +74,8 @@ class Strategy {
                                                    std::uint32_t location);
   /// Whether it is settled that `thread` goes on, however much it looks like waiting.
   [[nodiscard]] virtual bool expects_more(unsigned thread) const;
+  /// Whether it is settled that the next event of `thread` is a choice at `pc`.
+  [[nodiscard]] virtual bool expects_choice(unsigned thread, const void* pc) const;
   /// Whether only options that the model allows may be offered. If not, a choice that turns out to
   /// be forbidden is followed by the question for another.
   [[nodiscard]] virtual bool wants_verified() const { return true; }

@@ -10,6 +10,7 @@
 #include "stress/mutants/rings.hpp"
 #include "stress/mutants/scenarios.hpp"
 #include "stress/mutants/thesis.hpp"
+#include "stress/mutants/waiting.hpp"
 
 namespace irt::stress {
 namespace {
@@ -152,6 +153,11 @@ const auto& all() {
                                      by_oracles),
       mutant<FramePool<false>::Queue, FramePool<true>::Queue>(
           "m46", "frame over while a task is being worked on", frame_end, by_oracles),
+      mutant<Ticketed<false>::Queue, Ticketed<true>::Queue>(
+          "m47", "who gives up leaves a ticket behind that nobody serves", usual("mpmc"),
+          by_oracles),
+      mutant<Overtaken<false>::Queue, Overtaken<true>::Queue>(
+          "m48", "waits for a turn that has passed", usual("tiny"), by_oracles),
       mutant<ThesisLock, TwoLock<true>::Queue>("thesis-7.1", "the thesis' LOCK as printed",
                                                usual("mpmc"), by_oracles | by_tsan),
       mutant<ThesisLfree, Linked<LinkedBug::none>::Queue>(

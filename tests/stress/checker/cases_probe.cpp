@@ -1,13 +1,16 @@
 // The queues of tests/stress/cases on virtual cores.
 
 #include "tests/stress/cases/call_result.hpp"
+#include "tests/stress/cases/chase.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
+#include "tests/stress/cases/many_sc.hpp"
 #include "tests/stress/cases/narrow_index.hpp"
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/one_short.hpp"
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
+#include "tests/stress/cases/tagged_registry.hpp"
 #include "tests/stress/cases/unpublished.hpp"
 #include "tests/stress/cases/waits_for_recycled.hpp"
 
@@ -37,6 +40,12 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::SanitizerMacroBug>("sanitizer-macro-bug"),
     irt::queue_entry<irt::UnpublishedBug>("unpublished-bug"),
     irt::queue_entry<irt::UnpublishedFixed>("unpublished-fixed"),
+    irt::queue_entry<irt::Chase>("chase"),
+    irt::queue_entry<irt::ManySc>("many-sc"),
+    irt::queue_entry<irt::TaggedTop>("tagged-top"),
+    irt::queue_entry<irt::TaggedLow>("tagged-low"),
+    irt::queue_entry<irt::TaggedInside>("tagged-inside"),
+    irt::queue_entry<irt::TaggedBug>("tagged-bug"),
     irt::queue_entry<irt::LongSpin>("long-spin"),
     irt::queue_entry<irt::Registry>("registry"),
     irt::queue_entry<irt::ListQueue>("list-queue"),

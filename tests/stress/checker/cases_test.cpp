@@ -25,7 +25,13 @@ const std::vector<Case> cases{
     {"waits-for-recycled-stored-bug", {FindingKind::livelock}},
     {"waits-for-recycled-fixed", {}},
     {"long-spin", {}},
+    {"chase", {}},
+    {"many-sc", {}},
     {"registry", {}},
+    {"tagged-top", {}},
+    {"tagged-low", {}},
+    {"tagged-inside", {}},
+    {"tagged-bug", {FindingKind::leak}},
 };
 // clang-format on
 

@@ -255,6 +255,28 @@ const irt::findings::Program programs[] = {
         }
       },
       no_work}},
+    // What is wrong shows only if the others are slower than its patience.
+    {"gives up after a thousand looks",
+     "failure",
+     {[] {
+        for (int i = 0; i < 1000; ++i)
+          if (x.load(acq) != 0) return;
+        assert(y.load(rlx) == 1);
+      },
+      [] { x.store(1, rel); }}},
+    {"gives up on the second of two",
+     "failure",
+     {[] {
+        while (x.load(acq) == 0) {
+        }
+        for (int i = 0; i < 100; ++i)
+          if (y.load(acq) != 0) return;
+        assert(false);
+      },
+      [] {
+        x.store(1, rel);
+        y.store(1, rel);
+      }}},
     {"looks often at a lock that is held",
      "",
      {[] {
