@@ -5,16 +5,31 @@
 
 namespace irt::checker {
 
+namespace {
+
+constexpr auto option_kind = static_cast<std::uint8_t>(EventKind::choice);
+
+bool is_option(const Step& step) {
+  return step.kind == option_kind;
+}
+
+}  // namespace
+
 std::string to_string(const Schedule& schedule) {
   std::string text = schedule.waiting_resumes ? "s:" : "g:";
   const std::vector<Step>& steps = schedule.steps;
   for (std::size_t i = 0; i < steps.size();) {
     std::size_t end = i + 1;
-    while (end < steps.size() && steps[end].thread == steps[i].thread && steps[end - 1].choice == 0)
+    while (end < steps.size() && steps[end].thread == steps[i].thread &&
+           steps[end - 1].choice == 0 && !is_option(steps[end - 1]))
       ++end;
-    text += static_cast<char>('a' + steps[i].thread);
+    const Step& last = steps[end - 1];
+    text += static_cast<char>('a' + last.thread);
     if (end - i > 1) text += std::to_string(end - i);
-    if (steps[end - 1].choice != 0) text += "'" + std::to_string(steps[end - 1].choice);
+    if (is_option(last))
+      text += "?" + std::to_string(last.choice);
+    else if (last.choice != 0)
+      text += "'" + std::to_string(last.choice);
     i = end;
   }
   return text;
@@ -44,8 +59,8 @@ Schedule parse_schedule(std::string_view text) {
     if (count == 0 || count > 1'000'000) throw wrong("has a run of no length");
     for (std::uint32_t i = 0; i < count; ++i)
       schedule.steps.push_back({static_cast<std::uint8_t>(thread), 0, 0});
-    if (at != end && *at == '\'') {
-      ++at;
+    if (at != end && (*at == '\'' || *at == '?')) {
+      if (*at++ == '?') schedule.steps.back().kind = option_kind;
       schedule.steps.back().choice = static_cast<std::uint16_t>(number(0));
     }
   }
@@ -83,6 +98,12 @@ std::optional<std::size_t> Replay::planned_place(Execution& execution, Event& ev
   const std::size_t choice = schedule_.steps[position_].choice;
   if (choice > last - lowest) fits_ = false;
   return choice > last - lowest ? last : last - choice;
+}
+
+bool Replay::expects_choice(unsigned thread, const void*) const {
+  for (std::size_t i = position_; i < schedule_.steps.size(); ++i)
+    if (schedule_.steps[i].thread == thread) return is_option(schedule_.steps[i]);
+  return false;
 }
 
 unsigned Replay::choose_other(Execution&, Event&, unsigned count) {

@@ -5,9 +5,9 @@
 ///                  thread 0 two more
 ///
 /// A letter names the thread, a number how many steps it makes in a row, ' and a number what was
-/// chosen in the last of them where it was not the dullest: how far from the newest store it read,
-/// how far from the last place it stored, or which option it took. The text begins with `s:`, or
-/// with `g:` if threads that wait stay where they are (see exhaustive.hpp).
+/// chosen in the last of them where it was not the dullest: how far from the newest store it read
+/// or how far from the last place it stored; ? and a number which option it took. The text begins
+/// with `s:`, or with `g:` if threads that wait stay where they are (see exhaustive.hpp).
 #pragma once
 
 #include <string>
@@ -42,6 +42,7 @@ class Replay final : public Strategy {
   [[nodiscard]] bool expects_more(unsigned thread) const override {
     return remaining_[thread] != 0;
   }
+  [[nodiscard]] bool expects_choice(unsigned thread, const void* pc) const override;
   [[nodiscard]] bool resumes_waiting() const override { return schedule_.waiting_resumes; }
 
   /// Whether every step so far was as the schedule says.
