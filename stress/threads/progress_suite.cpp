@@ -37,6 +37,7 @@ struct MethodVerdict {
   std::uint64_t passed = 0;   ///< suspensions during which a call of it ended
   std::uint64_t blocked = 0;  ///< suspensions that stopped it
   std::uint64_t misled = 0;   ///< suspensions that made it answer *empty* or *full* wrongly
+  std::uint64_t guarded = 0;  ///< suspensions that stopped it in the guard of a local static
   // Of the first that did one or the other:
   Doing victim_in = Doing::nothing;
   Trace victim = {};
@@ -52,6 +53,11 @@ struct Verdicts {
 
   MethodVerdict& of(Doing method) { return method == Doing::push ? push : pop; }
 };
+
+/// The caller's stack pointer: whatever it calls next stands deeper.
+[[gnu::noinline]] const void* own_stack_pointer() {
+  return __builtin_dwarf_cfa();
+}
 
 std::string stack(const Trace& trace) {
   std::string text;
@@ -97,6 +103,7 @@ class ProgressRun {
   bool call(unsigned worker, Doing method) {
     Slot& slot = slots_[worker];
     bool moved = false;
+    slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
     slot.doing.store(method, std::memory_order_relaxed);
     if (method == Doing::push) {
       moved = queue_->push(worker, element(worker, sequences_[worker]));
@@ -148,8 +155,8 @@ class ProgressRun {
           // The monitor lets it go; who is stopped before it is done would be let go, too.
           while (!let_go_.exchange(false, std::memory_order_relaxed)) std::this_thread::yield();
         }
-      } else if (inside_.load(std::memory_order_relaxed) < most_inside) {
-        if (cast_.pushes(driver_)) call(driver_, Doing::push);
+      } else if (cast_.pushes(driver_) && inside_.load(std::memory_order_relaxed) < most_inside) {
+        call(driver_, Doing::push);
       } else if (cast_.pops(driver_)) {
         call(driver_, Doing::pop);
       }
@@ -245,9 +252,15 @@ class ProgressRun {
 
   void block(Doing method, const Slot& victim) {
     MethodVerdict& verdict = verdicts_.of(method);
+    Slot& stuck = slots_[driver_];
+    const bool answered = ask_trace(stuck);
+    if (answered && stuck.standing == Standing::static_guard) {
+      ++verdict.guarded;
+      return;
+    }
     if (verdict.blocked++ > 0) return;
     note_victim(verdict, victim);
-    if (Slot& stuck = slots_[driver_]; ask_trace(stuck)) verdict.stuck = stuck.trace;
+    if (answered) verdict.stuck = stuck.trace;
   }
 
   static void note_victim(MethodVerdict& verdict, const Slot& victim) {
@@ -287,11 +300,23 @@ void tell(const Assignment& assignment, Doing method, const Verdicts& verdicts,
   const Claims& claims = assignment.queue.claims;
   const Progress claimed = method == Doing::push ? claims.push : claims.pop;
   const bool stops = verdict.blocked + verdict.misled > 0;
-  messenger.figure(std::string(name(method)), stops ? "blocking" : "goes on");
+  messenger.figure(std::string(name(method)), stops                 ? "blocking"
+                                              : verdict.passed == 0 ? "not seen"
+                                                                    : "goes on");
+  if (verdict.guarded > 0) {
+    messenger.limit(fmt::format(
+        "{}: {} times it waited for a stopped thread's first use of a local static: the C++ "
+        "runtime's lock, not judged",
+        name(method), verdict.guarded));
+  }
   // A wrong *empty* or *full* breaks a claim where the order of the queue makes it wrong.
   const bool fifo = claims.ordering == Ordering::fifo_happens_before ||
                     claims.ordering == Ordering::fifo_real_time;
-  if (!stops) {
+  if (!stops && verdict.passed == 0) {
+    messenger.limit(fmt::format(
+        "{}: no call of it met a thread that was stopped in the queue's own code: no verdict",
+        name(method)));
+  } else if (!stops) {
     messenger.note(fmt::format("{}: went on in all of {} suspensions{}", name(method),
                                verdict.passed,
                                claimed == Progress::blocking ? " (claimed: blocking)" : ""));

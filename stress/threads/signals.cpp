@@ -20,6 +20,7 @@
 
 #include "stress/threads/allocator.hpp"
 #include "stress/threads/sanitizer.hpp"
+#include "stress/threads/standing.hpp"
 
 namespace irt::stress {
 namespace {
@@ -39,10 +40,13 @@ void sleep_for(std::uint64_t nanoseconds) {
   nanosleep(&time, nullptr);
 }
 
-/// In the signal handler: stands still until released.
+/// In the signal handler: stands still until released, if the queue is to blame for that.
 void hold(Slot& slot) {
-  slot.trace.fill(nullptr);
-  backtrace(slot.trace.data(), static_cast<int>(slot.trace.size()));
+  slot.standing = where_interrupted(slot.base.load(std::memory_order_relaxed), slot.trace);
+  if (slot.standing != Standing::own) {
+    slot.refused.store(true, std::memory_order_relaxed);
+    return;
+  }
   // (1) release: pairs with the acquire load (2), which reads the trace after it
   slot.suspended.store(true, std::memory_order_release);
   while (held.load(std::memory_order_relaxed) == &slot) sleep_for(20'000);
@@ -72,8 +76,7 @@ void on_stall(int /*signal*/) {
 void on_trace(int /*signal*/) {
   const int saved_errno = errno;
   if (Slot* slot = current_slot(); slot != nullptr) {
-    slot->trace.fill(nullptr);
-    backtrace(slot->trace.data(), static_cast<int>(slot->trace.size()));
+    slot->standing = where_interrupted(slot->base.load(std::memory_order_relaxed), slot->trace);
     // (3) release: pairs with the acquire load (4), which reads the trace after it
     slot->traced.store(true, std::memory_order_release);
   }
@@ -180,6 +183,7 @@ Presence::~Presence() {
 void install_signals() {
   Trace warm_up{};
   backtrace(warm_up.data(), static_cast<int>(warm_up.size()));
+  know_machinery();
   struct sigaction action {};
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
@@ -231,15 +235,14 @@ std::vector<std::string> describe(const Trace& trace) {
     if (address == nullptr) break;
     lines.push_back(describe_address(address));
   }
-  // The handlers and the kernel's trampoline stand above what was interrupted; the runner of the
-  // suite stands below.
+  // Of a crash: the handler and the kernel's trampoline stand above what was interrupted; the
+  // runner of the suite stands below.
   const auto has = [](const std::string& line, std::initializer_list<std::string_view> words) {
     return std::any_of(words.begin(), words.end(),
                        [&](std::string_view word) { return line.find(word) != std::string::npos; });
   };
   const auto handler = std::find_if(lines.rbegin(), lines.rend(), [&](const std::string& line) {
-    return has(line, {"__restore_rt", "sigaction", "on_stall",
-                      "irt::stress::(anonymous namespace)::hold", "on_trace", "on_crash"});
+    return has(line, {"__restore_rt", "sigaction", "on_crash"});
   });
   lines.erase(lines.begin(), handler.base());
   const auto runner = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) {

@@ -18,14 +18,15 @@ void install_signals();
 void stall(const Slot& slot, std::uint64_t nanoseconds);
 
 /// Holds `slot`'s thread where it stands until `release()`. Waits up to a millisecond; false when
-/// the thread was not inside an operation (or in the allocator) and runs on. The trace of a held
-/// thread is in the slot.
+/// the thread did not stand in the queue's own code (`Standing::own`, for which `Slot::base` must
+/// be set) and runs on. The trace of a held thread is in the slot.
 bool suspend(Slot& slot);
 
 /// Lets the thread that `suspend()` holds go on.
 void release(Slot& slot);
 
-/// Asks a thread where it stands; false if it does not answer within half a second.
+/// Asks a thread where it stands: `Slot::trace` and `Slot::standing`. False if it does not answer
+/// within half a second.
 bool ask_trace(Slot& slot);
 
 /// Function names (and lines, where the program has them) of a trace, innermost first, without the

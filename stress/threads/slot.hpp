@@ -14,6 +14,14 @@ namespace irt::stress {
 /// Which method a thread is in.
 enum class Doing : std::uint8_t { nothing, push, pop };
 
+/// In whose code a thread stands.
+enum class Standing : std::uint8_t {
+  outside,       ///< in no method of a queue, or nobody can tell
+  own,           ///< in the queue's code, or in a lock or nap of its own choice
+  library,       ///< the queue called the C or C++ library and stands somewhere in there
+  static_guard,  ///< as `library`: it waits for another's first use of a local static
+};
+
 /// Return addresses, innermost first; unused places are null.
 using Trace = std::array<void*, 32>;
 
@@ -22,12 +30,16 @@ struct alignas(128) Slot {
   std::atomic<std::uint64_t> done{0};  ///< operations finished
   std::atomic<Doing> doing{Doing::nothing};
   std::atomic<pid_t> thread{0};  ///< kernel thread id; 0 while nobody stands here
+  /// The stack pointer of whoever calls the queue: deeper frames are the queue's. Set before
+  /// `doing`, by those who want to know where a thread stands.
+  std::atomic<const void*> base{nullptr};
 
   // The signal handlers' side.
   std::atomic<bool> suspended{false};  ///< the thread is held by the handler, inside an operation
   std::atomic<bool> refused{false};    ///< asked to be held, it stood in no operation and ran on
   std::atomic<bool> traced{false};     ///< `trace` is complete
   Trace trace{};
+  Standing standing = Standing::outside;  ///< of the trace
 };
 
 /// The slot of the calling thread, for the signal handlers; null outside worker threads.

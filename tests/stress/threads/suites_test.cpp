@@ -5,36 +5,11 @@
 
 #include "broken_queues.hpp"
 #include "fenced_ring.hpp"
-#include "stress/mutants/recycled.hpp"
-#include "stress/mutants/rings.hpp"
-#include "stress/threads/child.hpp"
+#include "running.hpp"
 #include "stress/threads/sanitizer.hpp"
 
 namespace irt::stress {
 namespace {
-
-using Suite = std::function<void(const Assignment&, Messenger&)>;
-
-Result run(const QueueEntry& entry, double seconds, const Suite& suite) {
-  static const ClockQuality clock = calibrate();
-  const Assignment assignment{entry, clock, seconds, 1, "repeat"};
-  Result result;
-  result.queue = entry.name;
-  run_in_child(
-      result, seconds, 30, [&](Messenger& messenger) { suite(assignment, messenger); },
-      [](std::uint64_t) {});
-  return result;
-}
-
-Result run_on(const QueueEntry& entry, std::string_view scenario, double seconds = 0.5) {
-  return run(entry, seconds, [&](const Assignment& a, Messenger& m) {
-    run_scenario(a, *find_scenario(scenario), m);
-  });
-}
-
-std::string claim_of(const Result& result) {
-  return result.findings.empty() ? "nothing" : result.findings[0].claim;
-}
 
 TEST(ScenarioSuite, LeavesAHealthyQueueAlone) {
   for (const Scenario& scenario : scenarios()) {
@@ -94,32 +69,6 @@ TEST(SecondLook, ARaceThatNoFenceCoversIsAFinding) {
   const Result result = run_on(queue_entry<Fenced<true>::Queue>("fenced"), "spsc", 2);
   EXPECT_EQ(claim_of(result), "free of data races (ThreadSanitizer)");
   EXPECT_TRUE(result.figures.contains("strengthened"));
-}
-
-TEST(ProgressSuite, SeesThatALockBlocks) {
-  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "signals are delayed";
-  const Result honest = run(broken_entry<Defect::none>(), 3, run_progress);
-  EXPECT_TRUE(honest.findings.empty());
-  const Result boast = run(broken_entry<Defect::none, Progress::lock_free>(), 3, run_progress);
-  EXPECT_NE(claim_of(boast).find("goes on when another thread is stopped"), std::string::npos)
-      << claim_of(boast);
-}
-
-TEST(ProgressSuite, SeesThatAStoppedThreadHidesElements) {
-  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "signals are delayed";
-  const Result boast = run(queue_entry<Vyukov<VyukovBug::boasts>::Queue>("boast"), 5, run_progress);
-  EXPECT_NE(claim_of(boast).find("goes on when another thread is stopped"), std::string::npos)
-      << claim_of(boast);
-  EXPECT_NE(boast.findings[0].evidence.find("answered"), std::string::npos)
-      << boast.findings[0].evidence;
-}
-
-TEST(ProgressSuite, LeavesALockFreeQueueAlone) {
-  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "signals are delayed";
-  const Result result =
-      run(queue_entry<Recycled<RecycledBug::none>::Queue>("list"), 2, run_progress);
-  EXPECT_EQ(claim_of(result), "nothing") << result.findings[0].evidence;
-  EXPECT_GT(result.figures.value("suspensions", 0), 0);
 }
 
 TEST(FaultSuite, FindsHalfDonePushesAndLeaks) {
