@@ -15,10 +15,9 @@
 #include <vector>
 
 #include "queues/work_queue.hpp"
+#include "stress/scenarios/core.hpp"
 
 namespace irt::stress {
-
-inline constexpr std::uint64_t close_word = ~std::uint64_t{1};
 
 enum class ParkingBug {
   none,

@@ -10,6 +10,7 @@ void built_and_dropped(Core& core);
 void full_ring(Core& core);
 void mix(Core& core);
 void near_empty(Core& core);
+void parked(Core& core);
 void ping_pong(Core& core);
 void renderer(Core& core);
 void roles(Core& core);

@@ -31,6 +31,10 @@ class Complaint : public std::runtime_error {
 /// No element of any run.
 inline constexpr Element no_element = ~Element{0};
 
+/// Closes a queue whose `pop` waits for elements: `pop` then answers false when nothing is inside.
+/// No element of any run, and no word of the contract: other queues are never given it.
+inline constexpr Element close_word = ~Element{1};
+
 /// What elements point to: a word for each, written before its push and read after its pop, as the
 /// renderer's tasks are. Plain memory, each word of one element alone, so that ThreadSanitizer
 /// reports a queue that does not publish what it carries. Nothing here synchronises.
@@ -67,6 +71,8 @@ class Payloads {
 struct WorkerState {
   unsigned worker = 0;
   unsigned workers = 1;          ///< in this run; the queue was built for as many
+  unsigned pushers = 1;          ///< how many of them may push: the first
+  unsigned poppers = 1;          ///< how many of them may pop: the last
   bool pushes = true;            ///< may call `push`
   bool pops = true;              ///< may call `pop`
   std::size_t capacity = 0;      ///< what the queue was built with

@@ -35,6 +35,12 @@ constexpr std::array all{
              2, 2, true, 64, 1, built_and_dropped},
 };
 
+constexpr std::array waiting{
+    Scenario{"parked", "two producers, three consumers who wait", 2, 3, false, 64, 1, parked},
+    Scenario{"parked-tiny", "the same with one consumer more than places", 2, 3, false, 2, 1,
+             parked},
+};
+
 }  // namespace
 
 Cast cast_for(const Scenario& scenario, const Claims& claims) {
@@ -52,10 +58,16 @@ std::span<const Scenario> scenarios() {
   return all;
 }
 
+std::span<const Scenario> waiting_scenarios() {
+  return waiting;
+}
+
 const Scenario* find_scenario(std::string_view name) {
-  const auto* found =
-      std::find_if(all.begin(), all.end(), [&](const Scenario& s) { return s.name == name; });
-  return found == all.end() ? nullptr : found;
+  for (const std::span<const Scenario> kind : {scenarios(), waiting_scenarios()}) {
+    for (const Scenario& scenario : kind)
+      if (scenario.name == name) return &scenario;
+  }
+  return nullptr;
 }
 
 }  // namespace irt::stress

@@ -39,10 +39,13 @@ struct Cast {
 /// per worker gets workers that do both.
 Cast cast_for(const Scenario& scenario, const Claims& claims);
 
-/// All scenarios.
+/// All scenarios for queues whose `pop` answers *empty*.
 std::span<const Scenario> scenarios();
 
-/// The scenario `name`, or null.
+/// Those for queues whose `pop` waits until there is an element or the queue is closed.
+std::span<const Scenario> waiting_scenarios();
+
+/// The scenario `name` of either kind, or null.
 const Scenario* find_scenario(std::string_view name);
 
 }  // namespace irt::stress

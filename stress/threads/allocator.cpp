@@ -13,6 +13,7 @@ namespace {
 // Plain thread-locals in the executable: no lazy allocation on first use, safe inside malloc.
 thread_local int depth = 0;
 thread_local bool counts = false;
+thread_local bool outside_accounting = false;
 thread_local std::uint64_t seen_allocations = 0;
 thread_local std::uint64_t failing = 0;
 
@@ -39,6 +40,13 @@ Accounting::~Accounting() {
 }
 Live Accounting::live() {
   return {live_blocks.load(std::memory_order_relaxed), live_bytes.load(std::memory_order_relaxed)};
+}
+
+OutsideAccounting::OutsideAccounting() {
+  outside_accounting = true;
+}
+OutsideAccounting::~OutsideAccounting() {
+  outside_accounting = false;
 }
 
 FailingAllocation::FailingAllocation(std::uint64_t k) {
@@ -68,8 +76,12 @@ bool fails() {
   return counts && ++seen_allocations == failing;
 }
 
+bool counted(const void* block) {
+  return block != nullptr && !outside_accounting && accounting.load(std::memory_order_relaxed);
+}
+
 void* given(void* block) {
-  if (block != nullptr && accounting.load(std::memory_order_relaxed)) {
+  if (counted(block)) {
     live_blocks.fetch_add(1, std::memory_order_relaxed);
     live_bytes.fetch_add(static_cast<std::int64_t>(malloc_usable_size(block)),
                          std::memory_order_relaxed);
@@ -78,7 +90,7 @@ void* given(void* block) {
 }
 
 void taken(void* block) {
-  if (block != nullptr && accounting.load(std::memory_order_relaxed)) {
+  if (counted(block)) {
     live_blocks.fetch_sub(1, std::memory_order_relaxed);
     live_bytes.fetch_sub(static_cast<std::int64_t>(malloc_usable_size(block)),
                          std::memory_order_relaxed);

@@ -30,6 +30,16 @@ class Accounting {
   [[nodiscard]] static Live live();
 };
 
+/// While it lives, what the calling thread allocates and frees is not counted: it belongs to the
+/// testbed. Whatever is allocated under it is freed under it.
+class OutsideAccounting {
+ public:
+  OutsideAccounting();
+  OutsideAccounting(const OutsideAccounting&) = delete;
+  OutsideAccounting& operator=(const OutsideAccounting&) = delete;
+  ~OutsideAccounting();
+};
+
 /// Lets the `k`-th allocation of the calling thread from now on fail, once; counted from 1. While
 /// it lives, `seen()` counts the thread's allocations.
 class FailingAllocation {

@@ -88,10 +88,17 @@ struct Listener {
   Clock::time_point start = Clock::now();
   const std::function<void(std::uint64_t)>& on_progress;
   std::string buffer = {};
+  std::string trying = {};  ///< `Messenger::trying`
 
   void add(Finding finding) {
     if (finding.seconds == 0) finding.seconds = since(start);
     result.findings.push_back(std::move(finding));
+  }
+
+  /// A finding that the child cannot put into words itself.
+  void add_end(const std::string& claim, std::string evidence) {
+    if (!evidence.empty() && !evidence.ends_with('\n')) evidence += '\n';
+    add({.claim = claim, .evidence = evidence + trying, .repeat = {}});
   }
 
   void take(const json& message) {
@@ -108,15 +115,16 @@ struct Listener {
       result.figures[message["figure"].get<std::string>()] = message["value"];
     } else if (message.contains("crash")) {
       const int signal = message["crash"];
-      add({.claim = fmt::format("does not crash ({})", strsignal(signal)),
-           .evidence = "the thread that crashed stood in\n" + stack_text(message["trace"]),
-           .repeat = {}});
+      add_end(fmt::format("does not crash ({})", strsignal(signal)),
+              "the thread that crashed stood in\n" + stack_text(message["trace"]));
     } else if (message.contains("hang")) {
       std::string text;
       for (const auto& [thread, addresses] : message["stacks"].items()) {
         text += fmt::format("  {}\n{}", thread, stack_text(addresses));
       }
-      add({.claim = message["hang"], .evidence = text, .repeat = {}});
+      add_end(message["hang"], text);
+    } else if (message.contains("trying")) {
+      trying = message["trying"].get<std::string>() + "\n";
     }
   }
 
@@ -133,9 +141,7 @@ struct Listener {
 void judge_end(Listener& listener, int status, const std::string& errors) {
   Result& result = listener.result;
   if (WIFSIGNALED(status)) {
-    listener.add({.claim = fmt::format("does not crash ({})", strsignal(WTERMSIG(status))),
-                  .evidence = errors,
-                  .repeat = {}});
+    listener.add_end(fmt::format("does not crash ({})", strsignal(WTERMSIG(status))), errors);
     return;
   }
   const int code = WEXITSTATUS(status);
@@ -154,9 +160,7 @@ void judge_end(Listener& listener, int status, const std::string& errors) {
                   .evidence = without_testbed(errors),
                   .repeat = {}});
   } else {
-    listener.add({.claim = fmt::format("does not end the process (exit code {})", code),
-                  .evidence = errors,
-                  .repeat = {}});
+    listener.add_end(fmt::format("does not end the process (exit code {})", code), errors);
   }
 }
 
@@ -184,6 +188,9 @@ void Messenger::limit(const std::string& sentence) {
 }
 void Messenger::figure(const std::string& name, const json& value) {
   send({{"figure", name}, {"value", value}});
+}
+void Messenger::trying(const std::string& what) {
+  send({{"trying", what}});
 }
 void Messenger::hang(const std::string& what, const json& stacks) {
   send({{"hang", what}, {"stacks", stacks}});
@@ -235,10 +242,8 @@ void run_once(Result& result, double seconds, double patience,
   }
   result.seconds = since(listener.start);
   if (killed) {
-    listener.add(
-        {.claim = "does not hang",
-         .evidence = fmt::format("silent for {} s; not even the watchdog answered", patience),
-         .repeat = {}});
+    listener.add_end("does not hang",
+                     fmt::format("silent for {} s; not even the watchdog answered", patience));
   } else {
     judge_end(listener, status, read_all(errors));
   }

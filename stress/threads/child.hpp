@@ -19,6 +19,9 @@ class Messenger {
   void note(const std::string& sentence);
   void limit(const std::string& sentence);
   void figure(const std::string& name, const nlohmann::json& value);
+  /// What is being tried from here on, one sentence: the evidence of a crash or a hang ends with
+  /// it.
+  void trying(const std::string& what);
   /// A hang: the stacks of the threads, by name; the parent finds their function names. Ends the
   /// process.
   [[noreturn]] void hang(const std::string& what, const nlohmann::json& stacks);

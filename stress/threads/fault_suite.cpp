@@ -4,10 +4,14 @@
 #include <array>
 #include <fmt/format.h>
 #include <new>
-#include <optional>
+#include <string>
+#include <vector>
 
 #include "stress/threads/allocator.hpp"
+#include "stress/threads/signals.hpp"
+#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
+#include "stress/threads/watchdog.hpp"
 
 namespace irt::stress {
 namespace {
@@ -16,14 +20,23 @@ constexpr std::size_t capacity = 64;
 constexpr std::uint64_t elements = 192;
 constexpr std::uint64_t most_allocations = 5'000;
 
+std::string failing(std::uint64_t k) {
+  return k == 0 ? "with no allocation failing"
+                : fmt::format("with allocation number {} failing", k);
+}
+
+/// What an operation answered.
+enum class Reply : std::uint8_t { yes, no, no_memory };
+
 /// One run with the k-th allocation failing. Nothing here allocates but the queue.
 class FaultRun {
  public:
-  explicit FaultRun(const Assignment& assignment) : assignment_(assignment) {}
+  FaultRun(const Assignment& assignment, Slot& slot) : assignment_(assignment), slot_(slot) {}
 
   /// The broken promise, or null.
   const char* run(std::uint64_t k) {
     fates_.fill(Fate::unknown);
+    due_ = 0;
     const Cast cast =
         cast_for({.name = "faults", .summary = "", .pushers = 2, .poppers = 2, .together = true},
                  assignment_.queue.claims);
@@ -50,11 +63,9 @@ class FaultRun {
     for (int wave = 0; wave < 3; ++wave) {
       for (std::uint64_t i = 0; i < elements / 3; ++i, ++next) {
         const auto worker = static_cast<unsigned>(next % workers);
-        try {
-          fates_[next] = queue.push(worker, element(worker, next)) ? Fate::accepted : Fate::refused;
-        } catch (const std::bad_alloc&) {
-          fates_[next] = Fate::refused;
-        }
+        const auto push = [&] { return queue.push(worker, element(worker, next)); };
+        fates_[next] = call(Doing::push, push) == Reply::yes ? Fate::accepted : Fate::refused;
+        if (fates_[next] == Fate::accepted) ++due_;
         if (i % 4 == 3) {
           if (const char* broken = pop(queue, worker)) return broken;
         }
@@ -70,34 +81,52 @@ class FaultRun {
     return lost ? "loses nothing it accepted when an allocation fails" : nullptr;
   }
 
-  const char* pop(ElementQueue& queue, unsigned worker) {
-    Element e = 0;
+  /// An operation that the watchdog sees.
+  template <class Operation>
+  Reply call(Doing method, const Operation& operation) {
+    Reply reply = Reply::no_memory;
+    slot_.base.store(own_stack_pointer(), std::memory_order_relaxed);
+    slot_.doing.store(method, std::memory_order_relaxed);
     try {
-      if (!queue.pop(worker, e)) return nullptr;
+      reply = operation() ? Reply::yes : Reply::no;
     } catch (const std::bad_alloc&) {
-      return nullptr;
+      // Refused; what it did all the same comes to light.
     }
+    slot_.doing.store(Doing::nothing, std::memory_order_relaxed);
+    slot_.done.store(slot_.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    return reply;
+  }
+
+  const char* pop(ElementQueue& queue, unsigned worker) {
+    if (assignment_.pop_waits && due_ == 0) return nullptr;
+    Element e = 0;
+    if (call(Doing::pop, [&] { return queue.pop(worker, e); }) != Reply::yes) return nullptr;
     const std::uint64_t i = sequence_of(e);
     if (i >= elements || fates_[i] == Fate::unknown) return "pops only what was pushed";
     if (fates_[i] == Fate::refused) return "refuses an element entirely when an allocation fails";
     if (fates_[i] == Fate::popped) return "every element leaves once when an allocation fails";
     fates_[i] = Fate::popped;
+    --due_;
     return nullptr;
   }
 
   const Assignment& assignment_;
+  Slot& slot_;
   std::array<Fate, elements> fates_{};
+  std::uint64_t due_ = 0;  ///< accepted and not popped
   std::uint64_t allocations_ = 0;
 };
 
 }  // namespace
 
 void run_faults(const Assignment& assignment, Messenger& messenger) {
-  FaultRun run(assignment);
+  install_signals();
+  std::vector<Slot> slots(1);
+  const Watchdog watchdog(slots, hang_patience(), messenger);
+  const Presence presence(slots[0]);
+  FaultRun run(assignment, slots[0]);
   const auto fail = [&](const char* claim, std::uint64_t k) {
-    messenger.finding({.claim = claim,
-                       .evidence = fmt::format("with the {}-th allocation failing", k),
-                       .repeat = assignment.repeat});
+    messenger.finding({.claim = claim, .evidence = failing(k), .repeat = assignment.repeat});
   };
   // What is set up once per thread or process must not look like a leak.
   for (int warm_up = 0; warm_up < 3; ++warm_up) {
@@ -111,8 +140,10 @@ void run_faults(const Assignment& assignment, Messenger& messenger) {
   };
   std::uint64_t k = 1;
   for (; k <= most_allocations; ++k) {
-    // The parent hears about the k that crashes.
-    if (k % 16 == 1) messenger.progress(k);
+    {
+      const OutsideAccounting outside;
+      messenger.trying(failing(k));
+    }
     const std::int64_t before = Accounting::live().blocks;
     const char* broken = run.run(k);
     if (broken != nullptr) return fail(broken, k);
@@ -121,7 +152,9 @@ void run_faults(const Assignment& assignment, Messenger& messenger) {
     }
     if (run.allocations() < k) break;  // there was no k-th allocation: all have failed once
   }
-  messenger.progress(k);
+  if (k > most_allocations) {
+    messenger.limit(fmt::format("faults: only the first {} allocations failed", most_allocations));
+  }
   messenger.figure("allocations_failed", k - 1);
   messenger.note(k == 1
                      ? "allocates nothing"

@@ -50,7 +50,8 @@ bool is_third_party(std::string_view queue) {
   return comparators.find(fmt::format(" {} ", queue)) != std::string_view::npos;
 }
 
-constexpr std::array<std::string_view, 4> suite_names{"scenarios", "progress", "faults", "memory"};
+constexpr std::array<std::string_view, 5> suite_names{"scenarios", "sustained", "progress",
+                                                      "faults", "memory"};
 
 bool chosen(const std::vector<std::string>& choice, std::string_view name) {
   return std::any_of(choice.begin(), choice.end(),
@@ -62,7 +63,10 @@ class Session {
   Session(const Options& options, const ClockQuality& clock) : options_(options), clock_(clock) {}
 
   void stress(const QueueEntry& queue) {
-    const std::vector<Job> jobs = plan(queue);
+    const OnEmpty on_empty = find_on_empty(queue);
+    if (on_empty == OnEmpty::waits_for_ever) return tell_waits_for_ever(queue);
+    const std::vector<Job> jobs = plan(queue, on_empty == OnEmpty::waits);
+    pop_waits_ = waits_untold_ = on_empty == OnEmpty::waits;
     double weight = 0;
     for (const Job& job : jobs) weight += job.weight;
     for (const Job& job : jobs) run(queue, job, options_.seconds * job.weight / weight);
@@ -85,10 +89,29 @@ class Session {
     std::function<void(const Assignment&, Messenger&)> run;
   };
 
-  [[nodiscard]] std::vector<Job> plan(const QueueEntry& queue) const {
+  /// No suite could do more than hang.
+  void tell_waits_for_ever(const QueueEntry& queue) {
+    Result result;
+    result.queue = queue.name;
+    result.suite = "scenarios";
+    result.seed = options_.seed;
+    result.third_party = is_third_party(queue.name);
+    result.findings.push_back(
+        {.claim = "pop answers on an empty queue",
+         .evidence = fmt::format(
+             "a pop on a new queue did not return for a second, nor when the word {:#x} was "
+             "pushed, "
+             "which closes queues whose pop waits; the contract says that pop answers false",
+             close_word),
+         .repeat = fmt::format("./irt stress --queue {}{}", queue.name, plugin_options())});
+    fmt::print("{}", to_text(result));
+    results_.push_back(std::move(result));
+  }
+
+  [[nodiscard]] std::vector<Job> plan(const QueueEntry& queue, bool pop_waits) const {
     std::vector<Job> jobs;
     if (chosen(options_.suites, "scenarios")) {
-      for (const Scenario& scenario : scenarios()) {
+      for (const Scenario& scenario : pop_waits ? waiting_scenarios() : scenarios()) {
         if (!chosen(options_.scenarios, scenario.name)) continue;
         jobs.push_back({"scenarios", &scenario, 1,
                         [&](const Assignment& a, Messenger& m) { run_scenario(a, scenario, m); }});
@@ -97,7 +120,10 @@ class Session {
     // The others need signals that stop a thread at once and an allocator of our own.
     if (sanitizer != Sanitizer::none || !chosen(options_.scenarios, "all")) return jobs;
     const bool own = queue.claims.consumers == Callers::own_worker;
-    if (chosen(options_.suites, "progress")) {
+    if (chosen(options_.suites, "sustained") && !pop_waits) {
+      jobs.push_back({"sustained", nullptr, 6, run_sustained});
+    }
+    if (chosen(options_.suites, "progress") && !pop_waits) {
       jobs.push_back({"progress", nullptr, own ? 0.1 : 4, run_progress});
     }
     if (chosen(options_.suites, "faults")) jobs.push_back({"faults", nullptr, 0.5, run_faults});
@@ -113,7 +139,12 @@ class Session {
     result.seed = options_.seed;
     result.third_party = is_third_party(queue.name);
     const std::string repeat = repeat_command(queue, job, seconds);
-    const Assignment assignment{queue, clock_, seconds, options_.seed, repeat};
+    const Assignment assignment{queue, clock_, seconds, options_.seed, repeat, pop_waits_};
+    if (std::exchange(waits_untold_, false)) {
+      result.limits.emplace_back(
+          "pop waits on an empty queue until it is closed: only the scenarios for such queues run, "
+          "and neither sustained nor progress");
+    }
     const bool terminal = isatty(STDOUT_FILENO) != 0;
     const auto start = std::chrono::steady_clock::now();
     const auto progress = [&](std::uint64_t operations) {
@@ -139,11 +170,17 @@ class Session {
     return sum;
   }
 
+  [[nodiscard]] std::string plugin_options() const {
+    std::string text;
+    for (const auto& plugin : options_.plugins)
+      text += fmt::format(" --plugin {}", plugin.string());
+    return text;
+  }
+
   [[nodiscard]] std::string repeat_command(const QueueEntry& queue, const Job& job,
                                            double seconds) const {
     std::string command = fmt::format("./irt stress --queue {} --suite {}", queue.name, job.suite);
-    for (const auto& plugin : options_.plugins)
-      command += fmt::format(" --plugin {}", plugin.string());
+    command += plugin_options();
     if (job.scenario != nullptr) command += fmt::format(" --scenario {}", job.scenario->name);
     if (sanitizer != Sanitizer::none) command += fmt::format(" --sanitizer {}", sanitizer_name());
     return command +
@@ -153,6 +190,8 @@ class Session {
   const Options& options_;
   const ClockQuality& clock_;
   std::vector<Result> results_;
+  bool pop_waits_ = false;     ///< of the queue under test
+  bool waits_untold_ = false;  ///< and no result says so yet
 };
 
 void check_choice(const std::vector<std::string>& choice, std::string_view kind,
@@ -165,7 +204,8 @@ void check_choice(const std::vector<std::string>& choice, std::string_view kind,
 
 void check_names(const Options& options) {
   std::vector<std::string_view> known{"all"};
-  for (const Scenario& scenario : scenarios()) known.push_back(scenario.name);
+  for (const auto kind : {scenarios(), waiting_scenarios()})
+    for (const Scenario& scenario : kind) known.push_back(scenario.name);
   check_choice(options.scenarios, "scenario", known);
   known = {"all"};
   known.insert(known.end(), suite_names.begin(), suite_names.end());
@@ -183,7 +223,8 @@ void check_names(const Options& options) {
 
 void list() {
   fmt::print("scenarios\n");
-  for (const Scenario& s : scenarios()) fmt::print("  {:<18} {}\n", s.name, s.summary);
+  for (const auto kind : {scenarios(), waiting_scenarios()})
+    for (const Scenario& s : kind) fmt::print("  {:<18} {}\n", s.name, s.summary);
   fmt::print("suites\n  {}\n", fmt::join(suite_names, ", "));
 }
 
@@ -260,7 +301,8 @@ int parse_and_run(int argc, char** argv) {
   app.add_option("--scenario", options.scenarios, "scenarios by name, or all")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--suite", options.suites, "scenarios, progress, faults, memory, or all")
+  app.add_option("--suite", options.suites,
+                 "scenarios, sustained, progress, faults, memory, or all")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "for each queue")

@@ -64,7 +64,8 @@ class Churn {
       }
       Element e = 0;
       // Now and then the queue fills up, so that it must grow and shrink.
-      if (cast_.pops(worker) && (!alone || i % 4'096 >= 512)) {
+      const bool due = !assignment_.pop_waits || pushed_.load() > popped_.load();
+      if (cast_.pops(worker) && due && (!alone || i % 4'096 >= 512)) {
         if (queue.pop(worker, e)) {
           --own_inside;
           popped_.fetch_add(1, std::memory_order_relaxed);

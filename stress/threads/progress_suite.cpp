@@ -15,6 +15,7 @@
 
 #include "stress/threads/kernel_view.hpp"
 #include "stress/threads/signals.hpp"
+#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/team.hpp"
 
@@ -53,11 +54,6 @@ struct Verdicts {
 
   MethodVerdict& of(Doing method) { return method == Doing::push ? push : pop; }
 };
-
-/// The caller's stack pointer: whatever it calls next stands deeper.
-[[gnu::noinline]] const void* own_stack_pointer() {
-  return __builtin_dwarf_cfa();
-}
 
 std::string stack(const Trace& trace) {
   std::string text;

@@ -138,6 +138,8 @@ class ScenarioRunner {
       WorkerState& state = states_[worker];
       state = {.worker = worker,
                .workers = cast_.workers,
+               .pushers = cast_.pushers,
+               .poppers = cast_.poppers,
                .pushes = cast_.pushes(worker),
                .pops = cast_.pops(worker),
                .capacity = scenario_.capacity,

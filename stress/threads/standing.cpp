@@ -190,4 +190,8 @@ Standing where_interrupted(const void* base, Trace& trace) {
   return walk.library ? Standing::library : Standing::own;
 }
 
+const void* own_stack_pointer() {
+  return __builtin_dwarf_cfa();
+}
+
 }  // namespace irt::stress

@@ -20,4 +20,7 @@ void know_machinery();
 /// innermost first. Without a base, all frames.
 Standing where_interrupted(const void* base, Trace& trace);
 
+/// The stack pointer of the caller, for `Slot::base`: whatever it calls next stands deeper.
+const void* own_stack_pointer();
+
 }  // namespace irt::stress

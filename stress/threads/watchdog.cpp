@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "stress/threads/allocator.hpp"
 #include "stress/threads/kernel_view.hpp"
 #include "stress/threads/perturbation.hpp"
 #include "stress/threads/sanitizer.hpp"
@@ -32,6 +33,7 @@ std::uint64_t Watchdog::operations() const {
 }
 
 void Watchdog::watch() {
+  const OutsideAccounting outside;
   std::uint64_t seen = operations();
   auto last_move = std::chrono::steady_clock::now();
   bool remembered = false;

@@ -12,9 +12,10 @@ namespace irt::stress {
 
 using Suite = std::function<void(const Assignment&, Messenger&)>;
 
-inline Result run(const QueueEntry& entry, double seconds, const Suite& suite) {
+inline Result run(const QueueEntry& entry, double seconds, const Suite& suite,
+                  bool pop_waits = false) {
   static const ClockQuality clock = calibrate();
-  const Assignment assignment{entry, clock, seconds, 1, "repeat"};
+  const Assignment assignment{entry, clock, seconds, 1, "repeat", pop_waits};
   Result result;
   result.queue = entry.name;
   run_in_child(

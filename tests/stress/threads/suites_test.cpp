@@ -5,7 +5,9 @@
 
 #include "broken_queues.hpp"
 #include "fenced_ring.hpp"
+#include "rare_queues.hpp"
 #include "running.hpp"
+#include "stress/mutants/parking.hpp"
 #include "stress/threads/sanitizer.hpp"
 
 namespace irt::stress {
@@ -78,6 +80,62 @@ TEST(FaultSuite, FindsHalfDonePushesAndLeaks) {
   EXPECT_EQ(claim_of(run(broken_entry<Defect::leaks>(), 1, run_faults)),
             "leaks nothing when an allocation fails");
   EXPECT_EQ(claim_of(run(broken_entry<Defect::none>(), 1, run_faults)), "nothing");
+}
+
+TEST(FaultSuite, AHangIsAFindingWithAStackAndTheAllocation) {
+  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "the sanitizer's allocator is in place";
+  const Result result = run(queue_entry<Growing<true>::Queue>("growing"), 1, run_faults);
+  EXPECT_EQ(claim_of(result).substr(0, 13), "does not hang") << claim_of(result);
+  const std::string& evidence = result.findings[0].evidence;
+  EXPECT_NE(evidence.find("in push"), std::string::npos) << evidence;
+  EXPECT_NE(evidence.find("Growing"), std::string::npos) << evidence;
+  EXPECT_NE(evidence.find("with allocation number 4 failing"), std::string::npos) << evidence;
+  EXPECT_EQ(claim_of(run(queue_entry<Growing<false>::Queue>("growing"), 1, run_faults)), "nothing");
+}
+
+TEST(SustainedSuite, CountsWhatIsLostAndDoubled) {
+  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "only the scenarios run under a sanitizer";
+  const Result lost = run(queue_entry<Rare<true>::Queue>("loses"), 1, run_sustained);
+  EXPECT_EQ(claim_of(lost), "no element is lost");
+  const Result doubled = run(queue_entry<Rare<false>::Queue>("doubles"), 1, run_sustained);
+  EXPECT_EQ(claim_of(doubled), "every element leaves once");
+  EXPECT_EQ(claim_of(run(broken_entry<Defect::reorders>(), 1, run_sustained)), "order of elements");
+  EXPECT_EQ(claim_of(run(broken_entry<Defect::hangs>(), 1, run_sustained)).substr(0, 13),
+            "does not hang");
+  const Result healthy = run(broken_entry<Defect::none>(), 1, run_sustained);
+  EXPECT_EQ(claim_of(healthy), "nothing");
+  EXPECT_GT(healthy.figures.value("quiescent_points", 0), 10);
+}
+
+TEST(OnEmpty, KnowsAPopThatWaits) {
+  EXPECT_EQ(find_on_empty(broken_entry<Defect::none>()), OnEmpty::answers);
+  EXPECT_EQ(find_on_empty(queue_entry<Parking<ParkingBug::none>::Queue>("parking")),
+            OnEmpty::waits);
+  EXPECT_EQ(find_on_empty(queue_entry<Parking<ParkingBug::silent_close>::Queue>("parking")),
+            OnEmpty::waits_for_ever);
+  EXPECT_EQ(find_on_empty(queue_entry<EventCounted<true>::Queue>("counted")), OnEmpty::waits);
+}
+
+TEST(OnEmpty, LostWakeUpsAreFoundAndWaitingIsNoHang) {
+  for (const Scenario& scenario : waiting_scenarios()) {
+    const auto test = [&](const QueueEntry& entry) {
+      return claim_of(run_on(entry, scenario.name));
+    };
+    EXPECT_EQ(test(queue_entry<NotifiedTwice<false>::Queue>("twice")).substr(0, 13),
+              "does not hang");
+    EXPECT_EQ(test(queue_entry<NotifiedTwice<true>::Queue>("once")), "nothing");
+    EXPECT_EQ(test(queue_entry<Parking<ParkingBug::none>::Queue>("parking")), "nothing");
+    EXPECT_EQ(test(queue_entry<EventCounted<true>::Queue>("counted")), "nothing");
+    EXPECT_EQ(test(queue_entry<Parking<ParkingBug::if_not_while>::Queue>("parking")),
+              "keeps its contract");
+  }
+}
+
+TEST(OnEmpty, TheOtherSuitesDoNotWaitForEver) {
+  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "only the scenarios run under a sanitizer";
+  const QueueEntry entry = queue_entry<Parking<ParkingBug::none>::Queue>("parking");
+  EXPECT_EQ(claim_of(run(entry, 0.5, run_faults, true)), "nothing");
+  EXPECT_EQ(claim_of(run(entry, 0.5, run_memory, true)), "nothing");
 }
 
 TEST(MemorySuite, FindsMemoryThatGrowsWithEveryPush) {

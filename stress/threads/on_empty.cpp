@@ -1,0 +1,78 @@
+// What `pop` does on an empty queue: one thread tries.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "stress/threads/kernel_view.hpp"
+#include "stress/threads/signals.hpp"
+#include "stress/threads/suites.hpp"
+
+namespace irt::stress {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+/// Waits until `answered`, or until `thread` has had a second and its share of a processor; a
+/// thread that sleeps has had it.
+bool answers_in_time(const std::atomic<bool>& answered, const std::atomic<pid_t>& thread) {
+  constexpr std::uint64_t share = 200'000'000;  // nanoseconds
+  const auto start = Clock::now();
+  const std::uint64_t cpu = cpu_time(thread).value_or(0);
+  while (!answered) {
+    const auto passed = Clock::now() - start;
+    if (passed > 20s) return false;
+    if (passed > 1s && (sleeps(thread) || cpu_time(thread).value_or(0) > cpu + share)) return false;
+    if (passed < 1ms) {
+      std::this_thread::yield();
+    } else {
+      std::this_thread::sleep_for(1ms);
+    }
+  }
+  return true;
+}
+
+void pop_once(const QueueEntry& entry, Messenger& messenger) {
+  const Cast cast =
+      cast_for({.name = "empty", .summary = "", .pushers = 1, .poppers = 1}, entry.claims);
+  const auto queue = entry.make_word_queue(cast.workers, 4);
+  Slot slot;
+  std::atomic<bool> ready{false};
+  std::atomic<bool> answered{false};
+  std::atomic<bool> found{false};
+  std::thread popper([&] {
+    const Presence presence(slot);
+    ready = true;
+    Element e = 0;
+    found = queue->pop(cast.workers - 1, e);
+    answered = true;
+    // The slot is kept until somebody has seen the answer.
+    while (slot.done == 0) std::this_thread::yield();
+  });
+  while (!ready) std::this_thread::yield();
+  OnEmpty result = OnEmpty::answers;
+  if (!answers_in_time(answered, slot.thread)) {
+    queue->push(0, close_word);
+    const bool closed = answers_in_time(answered, slot.thread) && !found;
+    result = closed ? OnEmpty::waits : OnEmpty::waits_for_ever;
+  }
+  messenger.figure("on_empty", static_cast<int>(result));
+  if (!answered) _exit(0);  // nobody can join a thread that waits for ever
+  slot.done = 1;
+  popper.join();
+}
+
+}  // namespace
+
+OnEmpty find_on_empty(const QueueEntry& queue) {
+  // Where each worker has a queue of its own, nobody can push while its worker waits.
+  if (queue.claims.consumers == Callers::own_worker) return OnEmpty::answers;
+  Result result;
+  run_in_child(
+      result, 5, 30, [&](Messenger& messenger) { pop_once(queue, messenger); },
+      [](std::uint64_t) {});
+  // Whatever else went wrong, the suites find out themselves.
+  return static_cast<OnEmpty>(result.figures.value("on_empty", 0));
+}
+
+}  // namespace irt::stress
