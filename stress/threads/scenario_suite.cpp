@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <fmt/format.h>
 #include <optional>
@@ -7,6 +8,7 @@
 #include "stress/history/judge.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/signals.hpp"
+#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/thread_core.hpp"
 #include "stress/threads/watchdog.hpp"
@@ -20,6 +22,28 @@ std::uint64_t mix_seed(std::uint64_t seed, std::uint64_t round) {
   std::uint64_t z = seed * 0x9e3779b97f4a7c15U + round;
   z = (z ^ (z >> 31)) * 0xd6e8feb86659fd93U;
   return z ^ (z >> 32);
+}
+
+/// How many elements have gone through the queue, one by one, before a round starts: mostly none,
+/// else so many that counters of 8 or 16 bits wrap while it lasts.
+std::uint64_t round_age(std::uint64_t dice) {
+  const std::uint64_t before = dice / 16 % 12;
+  switch (dice % 16) {
+    case 0:
+    case 1:
+      return (1U << 8) - before;
+    case 2:
+      return sanitizer == Sanitizer::none ? (1U << 16) - before : 0;
+    default:
+      return 0;
+  }
+}
+
+/// The capacity of a round: every second time the scenario's own, else a small one or one that is
+/// no power of two, by whose remainder a counter that wraps gives itself away.
+std::size_t round_capacity(std::uint64_t dice, std::size_t own) {
+  constexpr std::array<std::size_t, 8> others{1, 2, 3, 5, 3, 7, 20, 100};
+  return dice % 2 == 0 ? own : others.at(dice / 2 % others.size());
 }
 
 /// Puts random threads to sleep at random moments, for as long as it lives.
@@ -102,9 +126,10 @@ class ScenarioRunner {
     {
       const Presence presence(own_slot);
       bump();
-      const auto queue = assignment_.queue.make_word_queue(cast_.workers, scenario_.capacity);
+      const auto queue = assignment_.queue.make_word_queue(cast_.workers, capacity_);
       interrupter_.set_active(perturbation.stalls);
       try {
+        if (age_ > 0) age(*queue);
         run_team(*queue, perturbation, seed);
         interrupter_.set_active(false);
         if (scenario_.drains) drain(*queue, history.drain);
@@ -120,9 +145,10 @@ class ScenarioRunner {
     if (!finding) finding = judge_payloads();
     bump();
     if (finding) {
-      finding->evidence +=
-          fmt::format("in round {} of {} threads with {} operations each, {}\n", number,
-                      cast_.workers, states_[0].operations, perturbation.describe());
+      finding->evidence += fmt::format(
+          "in round {} of {} threads with {} operations each, capacity {}, {}{}\n", number,
+          cast_.workers, states_[0].operations, capacity_,
+          age_ > 0 ? fmt::format("after {} elements, ", age_) : "", perturbation.describe());
       finding->repeat = assignment_.repeat;
     }
     return finding;
@@ -132,6 +158,8 @@ class ScenarioRunner {
 
  private:
   void prepare(std::uint64_t seed) {
+    capacity_ = round_capacity(mix_seed(seed, 101), scenario_.capacity);
+    age_ = round_age(mix_seed(seed, 102));
     const std::uint64_t operations =
         std::max<std::uint64_t>(2, round_size(seed >> 32, cast_.workers) / scenario_.generations);
     for (unsigned worker = 0; worker < cast_.workers; ++worker) {
@@ -142,7 +170,7 @@ class ScenarioRunner {
                .poppers = cast_.poppers,
                .pushes = cast_.pushes(worker),
                .pops = cast_.pops(worker),
-               .capacity = scenario_.capacity,
+               .capacity = capacity_,
                .random = mix_seed(seed, worker),
                .operations = operations,
                .log = {},
@@ -150,6 +178,34 @@ class ScenarioRunner {
       state.log.reserve(state.log_size(scenario_.generations));
     }
     payloads_.prepare(cast_.workers, states_[0].log_size(scenario_.generations), seed);
+  }
+
+  /// Sends elements through the queue, each alone in it. None is left inside when it returns.
+  void age(ElementQueue& queue) {
+    const bool own = assignment_.queue.claims.consumers == Callers::own_worker;
+    Slot& slot = slots_.back();
+    slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
+    for (std::uint64_t i = 0; i < age_; ++i) {
+      const auto pusher = static_cast<unsigned>(i % cast_.pushers);
+      const Element pushed = element(pusher, i);
+      slot.doing.store(Doing::push, std::memory_order_relaxed);
+      const bool accepted = queue.push(pusher, pushed);
+      slot.doing.store(Doing::pop, std::memory_order_relaxed);
+      Element popped = no_element;
+      bool found = false;
+      for (unsigned p = 0; accepted && !found && p < (own ? 1 : cast_.poppers); ++p) {
+        const auto popper = cast_.workers - 1 - static_cast<unsigned>((i + p) % cast_.poppers);
+        found = queue.pop(own ? pusher : popper, popped);
+      }
+      slot.doing.store(Doing::nothing, std::memory_order_relaxed);
+      slot.done.store(slot.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+      if (!accepted)
+        throw Complaint(
+            fmt::format("push number {} answered full, alone with an empty queue\n", i));
+      if (!found || popped != pushed)
+        throw Complaint(
+            fmt::format("element number {}, alone in the queue, did not come out\n", i));
+    }
   }
 
   void run_team(ElementQueue& queue, const Perturbation& perturbation, std::uint64_t seed) {
@@ -216,7 +272,7 @@ class ScenarioRunner {
   }
 
   std::optional<Finding> judge_history(const History& history) {
-    const Verdict verdict = judge(history, assignment_.queue.claims, scenario_.capacity);
+    const Verdict verdict = judge(history, assignment_.queue.claims, capacity_);
     sums_.empties += verdict.empties;
     sums_.fulls += verdict.fulls;
     sums_.refuted_empties += verdict.refuted_empties;
@@ -256,6 +312,8 @@ class ScenarioRunner {
   Payloads payloads_;
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that drives the rounds
   std::vector<WorkerState> states_;
+  std::size_t capacity_ = 0;  ///< of this round's queue
+  std::uint64_t age_ = 0;     ///< elements that have gone through it before the round
   Verdict sums_;
   Watchdog watchdog_;
   Team team_;

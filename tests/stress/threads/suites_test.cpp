@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "../cases/narrow_index.hpp"
 #include "broken_queues.hpp"
 #include "fenced_ring.hpp"
 #include "rare_queues.hpp"
@@ -39,6 +40,14 @@ TEST(ScenarioSuite, FindsAWrongOrder) {
 
 TEST(ScenarioSuite, FindsAFalseEmpty) {
   EXPECT_EQ(claim_of(run_on(broken_entry<Defect::lies_empty>(), "roles")), "empty only when empty");
+}
+
+// Counters that wrap, and capacities that are no powers of two.
+TEST(ScenarioSuite, FindsNarrowCounters) {
+  EXPECT_NE(claim_of(run_on(queue_entry<NarrowIndexBug>("narrow8"), "spsc", 2)), "nothing");
+  if (sanitizer != Sanitizer::none) return;  // too slow to grow old
+  EXPECT_NE(claim_of(run_on(queue_entry<NarrowIndex16Bug>("narrow16"), "spsc", 2)), "nothing");
+  EXPECT_EQ(claim_of(run_on(queue_entry<NarrowIndexFixed>("wide"), "spsc", 1)), "nothing");
 }
 
 TEST(ScenarioSuite, ACrashIsAFindingWithAStack) {
