@@ -6,8 +6,8 @@
 namespace irt::checker {
 
 void CycleWatch::begin() {
-  at_begin_.clear();
-  at_mark_.clear();
+  if (!at_begin_.empty()) at_begin_.clear();  // which is work even where there is nothing
+  if (!at_mark_.empty()) at_mark_.clear();
   mark_ = steps_ = 0;
   power_ = 1;
 }

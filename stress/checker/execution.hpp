@@ -252,6 +252,7 @@ class Execution final : public virtual_cores::Tenant {
   static Moment allocation_of(const Block& block);
   static Moment free_of(const Block& block, std::string note);
   void check_loop(const void* pc);
+  [[nodiscard]] bool is_loop_head(const void* pc) const;
   EventId source_of(EventId store) const;
   bool is_newest(EventId store) const;
   void note_visit(const void* pc, EventId from);
@@ -310,7 +311,7 @@ class Execution final : public virtual_cores::Tenant {
   bool froze_ = false;
   /// Sixteen-byte units that are accessed in different sizes, and the size that covers them.
   std::unordered_map<std::uintptr_t, std::uint32_t> widened_;
-  std::unordered_set<const void*> loop_heads_;
+  std::vector<const void*> loop_heads_;             ///< in order
   std::unordered_set<const void*> never_gives_up_;  ///< loops that count and do not give up
   std::vector<std::uint32_t> next_location_;  ///< by location: another one in the same eight bytes
   bool stack_locations_ = false;

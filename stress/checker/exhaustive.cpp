@@ -21,7 +21,10 @@ bool Exhaustive::begin() {
   started_ = true;
   // While the parts share the work they take the oldest piece, so that many arise; once there are
   // enough, each keeps its own and takes the newest, so that few do.
-  if (shared_ && work_.size() >= 32 * std::size_t{shards_}) {
+  // Some lead to a thousand times as many executions as others, which only their number evens out.
+  const std::size_t enough = std::min<std::size_t>(
+      std::size_t{256} * shards_, std::max<std::size_t>(std::size_t{32} * shards_, 65'536));
+  if (shared_ && work_.size() >= enough) {
     shared_ = false;
     std::deque<Work> mine;
     for (std::size_t i = shard_; i < work_.size(); i += shards_)
