@@ -119,9 +119,14 @@ IRT_ATOMIC(32)
 IRT_ATOMIC(64)
 
 #if defined(__x86_64__)
-// What the instruction `pause` has become in these objects (stress/virtual_cores/prelude.hpp).
+// What some instructions have become in these objects (stress/virtual_cores/prelude.hpp).
 asm(".pushsection .text\n.globl irt_vc_cpu_pause\n.type irt_vc_cpu_pause, @function\n"
-    "irt_vc_cpu_pause:\npause\nret\n.popsection");
+    "irt_vc_cpu_pause:\npause\nret\n"
+    ".globl irt_vc_cpu_clock\n.type irt_vc_cpu_clock, @function\n"
+    "irt_vc_cpu_clock:\nrdtscp\nret\n"
+    ".globl irt_vc_cpu_random\n.type irt_vc_cpu_random, @function\n"
+    "irt_vc_cpu_random:\npushq %rax\nrdrand %rax\nmovq %rax, 16(%rsp)\npopq %rax\nret\n"
+    ".popsection");
 #endif
 
 // 16 bytes: what the processor has is the compare-and-swap alone.

@@ -503,4 +503,14 @@ std::int64_t Execution::now() {
   return observed() ? ++me().clock_reads * 1000 : 0;
 }
 
+std::uint64_t Execution::random() {
+  // Splitmix64 (Steele, Lea and Flood 2014), for each thread from another place on, and the same in
+  // every execution.
+  std::uint64_t x = (std::uint64_t{cores_.current()} << 32U) + ++me().draws;
+  x *= 0x9E3779B97F4A7C15U;
+  x = (x ^ x >> 30U) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ x >> 27U) * 0x94D049BB133111EBU;
+  return x ^ x >> 31U;
+}
+
 }  // namespace irt::checker

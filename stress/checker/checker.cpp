@@ -1,6 +1,7 @@
 #include "stress/checker/checker.hpp"
 
 #include <chrono>
+#include <fmt/format.h>
 #include <memory>
 
 #include "stress/checker/depth_first.hpp"
@@ -27,6 +28,41 @@ std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget)
   }
   return nullptr;
 }
+
+/// What the threads did, as one text.
+std::string trace_of(const Execution& execution) {
+  std::string text;
+  for (const Step& step : execution.steps())
+    text += fmt::format("{} {} {} ", step.thread, step.kind, step.choice);
+  const Graph& graph = execution.graph();
+  for (unsigned thread = 0; thread <= execution.threads(); ++thread)
+    for (const EventId id : graph.thread(thread).events) {
+      const Event& event = graph.event(id);
+      text += fmt::format("{} {} {} ", fmt::ptr(event.pc), static_cast<std::uint64_t>(event.read),
+                          static_cast<std::uint64_t>(event.written));
+    }
+  return text;
+}
+
+/// Whether the same choices lead to the same execution, in a few samples.
+bool repeats(const Scenario& scenario, const Options& options) {
+  const auto trace = [&](std::uint64_t seed) {
+    Execution execution(scenario, options.limits);
+    execution.weaken(options.weakened);
+    for (;;) {
+      RandomWalk walk(seed, 0, 1);
+      walk.begin();
+      if (execution.run(walk) != Outcome::restart) return trace_of(execution);
+    }
+  };
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    if (trace(seed) != trace(seed)) return false;
+  return true;
+}
+
+constexpr const char* executions_differ =
+    "executions differ where all choices are the same: the code depends on chance, time or a state "
+    "that the checker does not give it";
 
 Result explore(const Options& options, Execution& execution) {
   using Stopwatch = std::chrono::steady_clock;
@@ -56,6 +92,11 @@ Result explore(const Options& options, Execution& execution) {
         return result;
       const Outcome outcome = execution.run(*strategy);
       ++made;
+      if (strategy->differs()) {
+        result.incomplete = executions_differ;
+        result.seconds = elapsed();
+        return result;
+      }
       result.assumed_waits = execution.assumed_waits();
       result.incomplete = execution.incomplete();
       if (!strategy->counted_elsewhere()) {
@@ -88,12 +129,25 @@ Result explore(const Options& options, Execution& execution) {
 }  // namespace
 
 Result check(const Scenario& scenario, const Options& options) {
-  Execution execution(scenario, options.limits);
-  execution.weaken(options.weakened);
-  if (options.watch_orders) execution.watch_orders();
-  Result result = explore(options, execution);
-  result.order_sites = execution.order_sites();
+  const bool systematic = options.search == Search::exhaustive || options.search == Search::bounded;
+  Result result;
+  if (systematic && !repeats(scenario, options)) {
+    result.incomplete = executions_differ;
+    return result;
+  }
+  {
+    Execution execution(scenario, options.limits);
+    execution.weaken(options.weakened);
+    if (options.watch_orders) execution.watch_orders();
+    result = explore(options, execution);
+    result.order_sites = execution.order_sites();
+  }
   if (scenario.histories) result.histories = scenario.histories();
+  if (result.finding && repeat(scenario, options, result.schedule) == nullptr &&
+      !repeats(scenario, options)) {
+    result.finding.reset();
+    result.incomplete = executions_differ;
+  }
   return result;
 }
 

@@ -1,7 +1,5 @@
 #include "stress/checker/depth_first.hpp"
 
-#include <stdexcept>
-
 namespace irt::checker {
 
 bool DepthFirst::begin() {
@@ -36,8 +34,10 @@ std::uint32_t DepthFirst::choose(ChoiceKind kind, std::uint32_t count) {
   if (costs && spent_ == budget_) return 0;
   if (position_ == path_.size()) path_.push_back({count, 0, costs});
   const Branch& branch = path_[position_++];
-  if (branch.count != count)
-    throw std::logic_error("checker: an execution did not repeat itself; please report this");
+  if (branch.count != count) {
+    differs_ = true;
+    return 0;
+  }
   if (branch.costs && branch.chosen != 0) ++spent_;
   return branch.chosen;
 }

@@ -23,6 +23,7 @@ class DepthFirst final : public Strategy {
   bool begin() override;
   unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
   [[nodiscard]] double explored() const override;
+  [[nodiscard]] bool differs() const override { return differs_; }
 
  protected:
   std::uint32_t choose(ChoiceKind kind, std::uint32_t count) override;
@@ -40,6 +41,7 @@ class DepthFirst final : public Strategy {
   unsigned budget_;
   bool forced_ = false;
   bool first_ = true;
+  bool differs_ = false;
 };
 
 }  // namespace irt::checker

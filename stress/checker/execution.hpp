@@ -165,6 +165,7 @@ class Execution final : public virtual_cores::Tenant {
                            const void* pc) override;
   unsigned wake(std::uintptr_t address, unsigned count, const void* pc) override;
   std::int64_t now() override;
+  std::uint64_t random() override;
   unsigned finished(unsigned core) override;
   void on_failure(const std::string& what, const void* pc) override;
 
@@ -205,6 +206,7 @@ class Execution final : public virtual_cores::Tenant {
     EventId newest_read = 0;     ///< of other threads' stores
     std::size_t news_since = 0;  ///< events of its own when it read that
     std::int64_t clock_reads = 0;
+    std::uint64_t draws = 0;  ///< random numbers it got
     unsigned failed_allocations = 0;
     std::vector<Visit> visits;
     std::uint64_t entry_hash = 0;   ///< of the core when the operation in progress began

@@ -23,6 +23,7 @@ using irt::virtual_cores::announce_write;
 using irt::virtual_cores::ask;
 using irt::virtual_cores::core_errno;
 using irt::virtual_cores::current_core;
+using irt::virtual_cores::fill_randomly;
 using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;
 using irt::virtual_cores::Value;
@@ -377,11 +378,18 @@ IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
   std::va_list arguments;
   va_start(arguments, number);
   const auto address = va_arg(arguments, std::uintptr_t);
-  const int operation = va_arg(arguments, int) & FUTEX_CMD_MASK;
+  const auto second = va_arg(arguments, std::uint64_t);
+  const int operation = static_cast<int>(second) & FUTEX_CMD_MASK;
   const auto value = va_arg(arguments, std::uint32_t);
   const auto* time = va_arg(arguments, const timespec*);
   va_end(arguments);
   if (number == SYS_gettid) return current_core + 1L;
+  if (number == SYS_getrandom) {
+    auto* bytes = reinterpret_cast<unsigned char*>(address);  // NOLINT: as the kernel is given it
+    const auto size = static_cast<std::size_t>(second);
+    fill_randomly(bytes, size, IRT_PC);
+    return static_cast<long>(size);
+  }
   if (number == SYS_futex && (operation == FUTEX_WAKE || operation == FUTEX_WAKE_BITSET))
     return active->wake(address, value, IRT_PC);
   if (number == SYS_futex && (operation == FUTEX_WAIT || operation == FUTEX_WAIT_BITSET)) {
@@ -400,8 +408,8 @@ IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
         return -1;
     }
   }
-  active->failed("system call " + std::to_string(number) + " is not supported on virtual cores",
-                 IRT_PC);
+  irt::virtual_cores::Tenant::refuse("the code makes system call " + std::to_string(number) +
+                                     ", which virtual cores do not support");
 }
 
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -27,6 +27,7 @@ Tenant native;
 // Stacks lie at an address of their own so that pointers to them are the same in every run.
 constexpr std::uintptr_t stacks_address = 0x100000000000;
 constexpr std::size_t guard_bytes = 4096;
+std::uintptr_t stacks_end = stacks_address;
 
 // Stacks begin at different offsets within a page, or the frames of all cores would compete for the
 // same few sets of the host's first cache.
@@ -109,6 +110,10 @@ struct Cores::State {
 
 Cores::State* Cores::State::running = nullptr;
 
+bool is_near_a_stack(std::uintptr_t address) {
+  return address >= stacks_address && address < stacks_end;
+}
+
 Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
     : state_(new State{tenant, stack_bytes, std::vector<Fiber>(count)}) {
   if (State::running != nullptr)
@@ -123,6 +128,7 @@ Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
     mprotect(reinterpret_cast<void*>(stack_of(core) / guard_bytes * guard_bytes),
              stack_bytes + colours_bytes, PROT_READ | PROT_WRITE);
   State::running = state_.get();
+  stacks_end = stacks_address + bytes;
 }
 
 Cores::~Cores() {

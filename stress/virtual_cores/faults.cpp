@@ -1,7 +1,11 @@
 // Faults of the code on a core, made known to the tenant.
 
+#include <algorithm>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <ucontext.h>
+#include <unistd.h>
+#include <vector>
 
 #include "stress/virtual_cores/internal.hpp"
 
@@ -9,9 +13,40 @@ namespace irt::virtual_cores {
 
 namespace {
 
+struct Code {
+  std::uintptr_t begin, end;
+};
+std::vector<Code>& code() {
+  static std::vector<Code> modules;
+  return modules;
+}
+
 // The fault in hand; nothing else runs between its signal and its report.
 std::uintptr_t fault_address = 0;
 std::uintptr_t fault_pc = 0;
+
+// Whether `place`, which the code has asked for, is where the fault is. Words of up to 16 bytes are
+// accessed as a whole. The kernel does not say which address it was if there can be no such one.
+bool is_at(const Place& place, const siginfo_t& info) {
+  if (info.si_code == SI_KERNEL)
+    return place.address >> 47U != 0 && place.address >> 47U != 0x1FFFF;
+  const auto address = reinterpret_cast<std::uintptr_t>(info.si_addr);
+  return place.size != 0 && address >= (place.address & ~std::uintptr_t{15}) &&
+         address < place.address + place.size + 15;
+}
+
+[[noreturn]] void end_without_verdict(std::uintptr_t pc) {
+  Dl_info object{};
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
+  const bool known = dladdr(reinterpret_cast<const void*>(pc), &object) != 0;
+  const auto base = known ? reinterpret_cast<std::uintptr_t>(object.dli_fbase) : 0;
+  fmt::print(stderr,
+             "irt: a crash in {} at {:#x}, outside of the code that is looked at: nothing is said "
+             "about that code. --shape, --seed or --strategy may lead past it; the line above is "
+             "what a report of it needs, with the command.\n",
+             known ? object.dli_fname : "unknown code", pc - base);
+  _exit(3);
+}
 
 // What is called instead of the instruction that failed. It needs a stack of its own, for that of
 // the core may be what ran out.
@@ -28,15 +63,37 @@ void on_fault(int signal, siginfo_t* info, void* raw_context) {
     std::signal(signal, SIG_DFL);
     return;
   }
+  const auto pc = static_cast<std::uintptr_t>(
+      static_cast<ucontext_t*>(raw_context)->uc_mcontext.gregs[REG_RIP]);
+  const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
+  const Place* const place = is_at(asked.last, *info)     ? &asked.last
+                             : is_at(asked.before, *info) ? &asked.before
+                                                          : nullptr;
+  // A jump to nowhere has its target for pc.
+  const bool jumped = pc == address;
+  if (!is_code_of_a_module(pc) && !jumped && place == nullptr && !is_near_a_stack(address))
+    end_without_verdict(pc);
   auto& registers = static_cast<ucontext_t*>(raw_context)->uc_mcontext.gregs;
-  fault_address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-  fault_pc = static_cast<std::uintptr_t>(registers[REG_RIP]);
+  fault_address = address;
+  fault_pc = is_code_of_a_module(pc) || place == nullptr
+                 ? pc
+                 : reinterpret_cast<std::uintptr_t>(place->pc) - 1;
   registers[REG_RIP] = reinterpret_cast<greg_t>(&report_fault);
   // Aligned as after a call.
   registers[REG_RSP] = reinterpret_cast<greg_t>(report_stack.data() + report_stack.size() - 8);
 }
 
 }  // namespace
+
+void add_code(std::uintptr_t begin, std::uintptr_t end) {
+  code().push_back({begin, end});
+}
+
+bool is_code_of_a_module(std::uintptr_t address) {
+  return std::any_of(code().begin(), code().end(), [address](const Code& module) {
+    return address >= module.begin && address < module.end;
+  });
+}
 
 FaultHandler::FaultHandler() {
   stack_t own{};

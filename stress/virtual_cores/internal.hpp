@@ -42,6 +42,15 @@ inline void announce_write(const volatile void* place, std::size_t size, const v
   active->plain_write(asked.last.address, size, pc);
 }
 
+/// Announces the write of `size` bytes from the tenant's random numbers, and makes it.
+void fill_randomly(void* to, std::size_t size, const void* pc);
+
+/// The machine code of the modules that are loaded: address of the first byte and behind the last.
+void add_code(std::uintptr_t begin, std::uintptr_t end);
+bool is_code_of_a_module(std::uintptr_t address);
+/// Whether `address` is on a core's stack, or on the guard below one.
+bool is_near_a_stack(std::uintptr_t address);
+
 /// errno of the core in progress (thread_locals.cpp).
 int& core_errno();
 

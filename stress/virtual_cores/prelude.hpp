@@ -1,10 +1,11 @@
 /// Included before everything in code for virtual cores, where the code is what is shipped but for
 /// what follows.
 ///
-/// The instruction `pause`, from whatever intrinsic or assembly, becomes a call of the runtime
-/// (redirected.cpp) that leaves every register as it was. GCC writes it as `rep nop`. The red zone
-/// below the stack pointer is the code's. Clang does not send its intrinsics through the assembler,
-/// so that there `pause` stays itself.
+/// The instructions `pause`, `rdtsc`, `rdtscp`, `rdrand` and `rdseed`, from whatever intrinsic or
+/// assembly, become calls of the runtime (redirected.cpp) that leave every other register as it
+/// was; clocks and chance are the tenant's. GCC writes `pause` as `rep nop`. The red zone below the
+/// stack pointer is the code's. Clang does not send its intrinsics through the assembler, so that
+/// there they stay themselves.
 ///
 /// Nothing says that the thread sanitizer is on: libraries choose other code by that, also the C++
 /// library (`shared_ptr`). GCC's macro is undefined on the command line; Clang is asked by
@@ -29,6 +30,28 @@ asm(".macro pause\n"
     "    .byte 0xf3\n"
     "    \\operation\n"
     "  .endif\n"
+    ".endm\n"
+    ".macro rdtscp\n"
+    "  leaq -128(%rsp), %rsp\n"
+    "  call irt_vc_cpu_clock@PLT\n"
+    "  leaq 128(%rsp), %rsp\n"
+    ".endm\n"
+    ".macro rdtsc\n"
+    "  leaq -136(%rsp), %rsp\n"
+    "  movq %rcx, (%rsp)\n"
+    "  call irt_vc_cpu_clock@PLT\n"
+    "  movq (%rsp), %rcx\n"
+    "  leaq 136(%rsp), %rsp\n"
+    ".endm\n"
+    ".macro rdrand register\n"
+    "  leaq -136(%rsp), %rsp\n"
+    "  call irt_vc_cpu_random@PLT\n"
+    "  mov (%rsp), \\register\n"
+    "  leaq 136(%rsp), %rsp\n"
+    "  stc\n"  // there was a number
+    ".endm\n"
+    ".macro rdseed register\n"
+    "  rdrand \\register\n"
     ".endm\n");
 #else
 #pragma clang diagnostic push

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -218,18 +219,43 @@ IRT_REDIRECTED int irt_vc_sched_yield() {
   active->yield(IRT_PC);
   return 0;
 }
-// What prelude.hpp makes of the instruction `pause`: leaves every register as it was.
-extern "C" __attribute__((visibility("hidden"), used)) void irt_vc_note_pause() {
+// What prelude.hpp makes of instructions: calls that leave every register as it was, but for those
+// that hold the answer.
+extern "C" {
+__attribute__((visibility("hidden"))) std::uint64_t irt_vc_answers[2];
+__attribute__((visibility("hidden"), used)) void irt_vc_note_pause() {
   active->pause();
 }
-asm(".pushsection .text\n.globl irt_vc_cpu_pause\n.type irt_vc_cpu_pause, @function\n"
-    "irt_vc_cpu_pause:\n"
-    "pushfq\npushq %rax\npushq %rcx\npushq %rdx\npushq %rsi\npushq %rdi\n"
-    "pushq %r8\npushq %r9\npushq %r10\npushq %r11\npushq %rbp\n"
-    "movq %rsp, %rbp\nsubq $512, %rsp\nandq $-16, %rsp\nfxsave64 (%rsp)\n"
-    "call irt_vc_note_pause\nfxrstor64 (%rsp)\nmovq %rbp, %rsp\n"
-    "popq %rbp\npopq %r11\npopq %r10\npopq %r9\npopq %r8\n"
-    "popq %rdi\npopq %rsi\npopq %rdx\npopq %rcx\npopq %rax\npopfq\nret\n.popsection");
+__attribute__((visibility("hidden"), used)) void irt_vc_note_clock() {
+  const auto now = static_cast<std::uint64_t>(active->now());
+  irt_vc_answers[0] = now;
+  irt_vc_answers[1] = current_core;
+}
+__attribute__((visibility("hidden"), used)) void irt_vc_note_random() {
+  const std::uint64_t random = active->random();
+  irt_vc_answers[0] = random;
+}
+}
+#define IRT_INSTRUCTION(name, answer)                                          \
+  asm(".pushsection .text\n.globl irt_vc_cpu_" name "\n.type irt_vc_cpu_" name \
+      ", @function\nirt_vc_cpu_" name                                          \
+      ":\n"                                                                    \
+      "pushfq\npushq %rax\npushq %rcx\npushq %rdx\npushq %rsi\npushq %rdi\n"   \
+      "pushq %r8\npushq %r9\npushq %r10\npushq %r11\npushq %rbp\n"             \
+      "movq %rsp, %rbp\nsubq $512, %rsp\nandq $-16, %rsp\nfxsave64 (%rsp)\n"   \
+      "call irt_vc_note_" name                                                 \
+      "\nfxrstor64 (%rsp)\nmovq %rbp, %rsp\n"                                  \
+      "popq %rbp\npopq %r11\npopq %r10\npopq %r9\npopq %r8\n"                  \
+      "popq %rdi\npopq %rsi\npopq %rdx\npopq %rcx\npopq %rax\npopfq\n" answer "ret\n.popsection")
+IRT_INSTRUCTION("pause", "");
+IRT_INSTRUCTION("clock",
+                "movl irt_vc_answers(%rip), %eax\nmovl irt_vc_answers+4(%rip), %edx\n"
+                "movl irt_vc_answers+8(%rip), %ecx\n");
+// The answer goes to the caller's stack, above the return address.
+IRT_INSTRUCTION("random",
+                "pushq %rax\nmovq irt_vc_answers(%rip), %rax\nmovq %rax, 16(%rsp)\n"
+                "popq %rax\n");
+#undef IRT_INSTRUCTION
 
 IRT_REDIRECTED int irt_vc_nanosleep(const timespec* time, timespec*) {
   active->sleep(nanoseconds_of(*time), IRT_PC);
@@ -254,16 +280,66 @@ IRT_REDIRECTED pid_t irt_vc_gettid() {
   return static_cast<pid_t>(current_core) + 1;
 }
 
+// --- Chance ------------------------------------------------------------------------------------
+
+namespace irt::virtual_cores {
+void fill_randomly(void* to, std::size_t size, const void* pc) {
+  if (size == 0) return;
+  announce_write(to, size, pc);
+  auto* bytes = static_cast<unsigned char*>(to);
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < size; ++i, word >>= 8U) {
+    if (i % 8 == 0) word = active->random();
+    bytes[i] = static_cast<unsigned char>(word);
+  }
+}
+}  // namespace irt::virtual_cores
+using irt::virtual_cores::fill_randomly;
+
+// std::random_device: made from a name, asked, ended.
+IRT_REDIRECTED void
+irt_vc__ZNSt13random_device7_M_initERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE(
+    void*, const void*) {}
+IRT_REDIRECTED void irt_vc__ZNSt13random_device7_M_finiEv(void*) {}
+IRT_REDIRECTED unsigned irt_vc__ZNSt13random_device9_M_getvalEv(void*) {
+  return static_cast<unsigned>(active->random() >> 32U);
+}
+IRT_REDIRECTED double irt_vc__ZNKSt13random_device13_M_getentropyEv(const void*) {
+  return 32;
+}
+IRT_REDIRECTED ssize_t irt_vc_getrandom(void* to, std::size_t size, unsigned) {
+  fill_randomly(to, size, IRT_PC);
+  return static_cast<ssize_t>(size);
+}
+IRT_REDIRECTED int irt_vc_getentropy(void* to, std::size_t size) {
+  fill_randomly(to, size, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED std::uint32_t irt_vc_arc4random() {
+  return static_cast<std::uint32_t>(active->random() >> 32U);
+}
+// The C library's own state would go on from one execution to the next.
+IRT_REDIRECTED int irt_vc_rand() {
+  return static_cast<int>(active->random() >> 33U);
+}
+IRT_REDIRECTED long irt_vc_random() {
+  return static_cast<long>(active->random() >> 33U);
+}
+IRT_REDIRECTED void irt_vc_srand(unsigned) {}
+IRT_REDIRECTED void irt_vc_srandom(unsigned) {}
+
 // --- Threads of the code's own are not supported; the tenant provides the cores ---------------
 
 IRT_REDIRECTED int irt_vc_pthread_create(pthread_t*, const pthread_attr_t*, void* (*)(void*),
                                          void*) {
-  active->failed("the code starts a thread of its own, which virtual cores do not support", IRT_PC);
+  irt::virtual_cores::Tenant::refuse(
+      "the code starts a thread of its own, which virtual cores do not support");
 }
 IRT_REDIRECTED void
 irt_vc__ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE(
     void*, void*, void (*)()) {
-  active->failed("the code starts a thread of its own, which virtual cores do not support", IRT_PC);
+  irt::virtual_cores::Tenant::refuse(
+      "the code starts a thread of its own, which virtual cores do not support");
 }
 
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

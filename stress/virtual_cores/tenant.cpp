@@ -100,6 +100,10 @@ void Tenant::pause() {}
 std::int64_t Tenant::now() {
   return 0;
 }
+std::uint64_t Tenant::random() {
+  static std::uint64_t last = 1;
+  return last = last * 6364136223846793005U + 1442695040888963407U;  // Knuth's MMIX
+}
 void Tenant::enter_function(const void*) {}
 void Tenant::leave_function() {}
 unsigned Tenant::finished(unsigned) {
@@ -114,6 +118,12 @@ void Tenant::on_failure(const std::string& what, const void*) {
 void Tenant::failed(const std::string& what, const void* pc) {
   on_failure(what, pc);
   std::abort();
+}
+
+void Tenant::refuse(const std::string& what) {
+  std::cout.flush();
+  std::cerr << "irt: " << what << "; nothing is said about this code\n";
+  std::_Exit(2);
 }
 
 }  // namespace irt::virtual_cores

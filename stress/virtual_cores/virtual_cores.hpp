@@ -140,6 +140,9 @@ class Tenant {
   virtual void pause();
   /// Nanoseconds of virtual time.
   virtual std::int64_t now();
+  /// The next random number of the core in progress, for std::random_device and the like. The
+  /// default's are the same in every process.
+  virtual std::uint64_t random();
 
   // Control flow.
   virtual void enter_function(const void* call_site);
@@ -150,6 +153,9 @@ class Tenant {
   /// call. Must not return; the default prints `what` and exits the process.
   virtual void on_failure(const std::string& what, const void* pc);
   [[noreturn]] void failed(const std::string& what, const void* pc);
+  /// The code asks for what virtual cores do not have, which is no fault of its own: says so and
+  /// ends the process with code 2.
+  [[noreturn]] static void refuse(const std::string& what);
 };
 
 /// The callee-saved registers at the last atomic operation, as the code had them: with the stack

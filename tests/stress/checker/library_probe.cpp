@@ -1,8 +1,11 @@
 // What the C++ library and the C library do to memory in compiled code is seen: each program whose
 // fault is in there, and a healthy twin.
 
+#include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <future>
@@ -11,6 +14,7 @@
 #include <memory>
 #include <memory_resource>
 #include <mutex>
+#include <random>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -215,6 +219,24 @@ void texts_are_right() {
   for (int i = 0; i < 40; ++i) assert(numbers.at(std::to_string(i)) == i);
 }
 
+// --- Chance --------------------------------------------------------------------------------------
+
+std::atomic<unsigned> dice[2];
+
+void throw_dice() {
+  const unsigned chance =
+      std::random_device()() + static_cast<unsigned>(std::rand()) +
+      static_cast<unsigned>(std::chrono::steady_clock::now().time_since_epoch().count());
+  for (unsigned i = 0; i <= chance % 3; ++i) ++dice[chance >> i & 1U];
+}
+
+// The state of this one is the C library's, and goes on from one execution to the next.
+void throw_foreign_dice() {
+  const long chance = lrand48();
+  for (long i = 0; i <= chance % 3; ++i) ++dice[chance >> i & 1];
+  assert(chance % 64 != 5);
+}
+
 void no_work() {}
 
 template <class Container>
@@ -295,6 +317,7 @@ const Program programs[] = {
      [] { promise = new std::promise<int>; },
      [] { delete promise; }},
     {"errno", "", {[] { set_errno(1); }, [] { set_errno(2); }}},
+    {"chance", "", {throw_dice, throw_dice}},
     {"trees", "", {trees_are_right, no_work}},
     {"lists", "", {lists_are_right, no_work}},
     {"memory resources", "", {resources_are_right, no_work}},
@@ -302,6 +325,11 @@ const Program programs[] = {
 };
 
 }  // namespace
+
+extern "C" const Program* irt_foreign_dice() {
+  static constexpr Program program{"foreign dice", "", {throw_foreign_dice, throw_foreign_dice}};
+  return &program;
+}
 
 extern "C" const Program* irt_library_programs(unsigned* count) {
   *count = sizeof programs / sizeof *programs;

@@ -1,6 +1,7 @@
 // Instrumented code that touches every entry point of the runtime; the test watches its events.
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <cstdlib>
@@ -8,8 +9,11 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <random>
 #include <stdexcept>
 #include <string>
+#include <sys/random.h>
+#include <thread>
 #include <vector>
 
 // The code is what is shipped, not what libraries keep for the thread sanitizer.
@@ -138,6 +142,27 @@ bool irt_throw_and_catch() {
 }
 void irt_throw() {
   throw std::runtime_error("thrown by the probe");
+}
+
+void irt_chance(std::uint64_t* answers) {
+  answers[0] = std::random_device()();
+  answers[1] = 0;
+  if (getrandom(answers + 1, 8, 0) != 8) answers[1] = 0;
+#if !defined(__clang__)
+  answers[2] = __builtin_ia32_rdtsc();
+  answers[3] =
+      static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+  std::uint32_t half = 0;
+  bool done = false;
+  asm volatile("rdrand %0" : "=r"(answers[4]), "=@ccc"(done));
+  if (!done) answers[4] = 0;
+  asm volatile("rdrand %0" : "=r"(half));
+  answers[5] = half;
+#endif
+}
+
+void irt_start_thread() {
+  std::thread([] {}).join();
 }
 
 // Compiled code, and nobody sees what it does.

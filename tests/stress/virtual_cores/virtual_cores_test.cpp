@@ -226,6 +226,58 @@ TEST_F(VirtualCores, a_module_names_the_calls_nobody_sees) {
   EXPECT_THROW(vc::Module("no_such_file.so"), std::runtime_error);
 }
 
+// By a fault in the runtime, on behalf of the code, and in the runtime's own right.
+TEST_F(VirtualCores, a_fault_is_the_codes_where_the_code_asked_for_the_memory) {
+  Rotating tenant(1);
+  tenant.run({[&] { function<void(std::uintptr_t, int)>("irt_hammer")(64, 1); }});
+  EXPECT_NE(tenant.what_failed.find("memory that is not there (0x40)"), std::string::npos)
+      << tenant.what_failed;
+}
+
+TEST_F(VirtualCores, a_crash_of_the_tenant_is_nobodys_fault) {
+  class Crashing final : public Rotating {
+   public:
+    using Rotating::Rotating;
+    vc::Value modify(const vc::Access&, vc::Operation, vc::Value) override {
+      return vc::read_memory(4096 + 64, 8);
+    }
+  };
+  std::atomic<std::uint64_t> counter{0};
+  const auto crash = [&] {
+    Crashing tenant(1);
+    tenant.run({[&] { function<void(void*, std::uint64_t)>("irt_hammer")(&counter, 1); }});
+  };
+  EXPECT_EXIT(crash(), testing::ExitedWithCode(3), "outside of the code that is looked at");
+}
+
+TEST_F(VirtualCores, chance_and_clocks_are_the_tenants) {
+  class Seeded final : public Rotating {
+   public:
+    using Rotating::Rotating;
+    std::uint64_t random() override { return 0x1234'5678'0000'0000U + ++draws; }
+    std::int64_t now() override { return 0x7'0000'0000 + ++reads_of_clock; }
+    unsigned draws = 0, reads_of_clock = 0;
+  };
+  Seeded tenant(1);
+  std::uint64_t answers[8] = {};
+  tenant.run({[&] { function<void(std::uint64_t*)>("irt_chance")(answers); }});
+  EXPECT_EQ(tenant.what_failed, "");
+  EXPECT_EQ(answers[0], 0x1234'5678U) << "std::random_device";
+  EXPECT_EQ(answers[1], 0x1234'5678'0000'0002U) << "getrandom";
+  EXPECT_EQ(answers[2], 0x7'0000'0001U) << "rdtsc";
+  EXPECT_EQ(answers[3], 0x7'0000'0002U) << "steady_clock";
+  EXPECT_EQ(answers[4], 0x1234'5678'0000'0003U) << "rdrand";
+  EXPECT_EQ(answers[5], 0x4U) << "rdrand, 32 bits";
+}
+
+TEST_F(VirtualCores, a_thread_of_the_codes_own_is_refused) {
+  const auto start = [&] {
+    Rotating tenant(1);
+    tenant.run({function<void()>("irt_start_thread")});
+  };
+  EXPECT_EXIT(start(), testing::ExitedWithCode(2), "starts a thread of its own");
+}
+
 TEST_F(VirtualCores, switches_between_many_cores_lose_nothing) {
   Rotating tenant(64);
   std::atomic<std::uint64_t> counter{0};
