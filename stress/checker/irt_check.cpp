@@ -1,5 +1,6 @@
 // `irt check`: explores what a queue can do, and answers with a proof for the bound or with the few
-// steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line.
+// steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line, or code that
+// cannot be looked at; 3: a crash of the checker.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
