@@ -32,6 +32,10 @@ const std::vector<Case> cases{
     {"tagged-low", {}},
     {"tagged-inside", {}},
     {"tagged-bug", {FindingKind::leak}},
+    {"call-result-bug", {FindingKind::data_race}},
+    {"call-result-fixed", {}},
+    {"sanitizer-macro-bug", {FindingKind::data_race}},
+    {"list-queue", {}},
 };
 // clang-format on
 
