@@ -13,6 +13,10 @@
 ///       bool pop(unsigned worker, T& task);    // false for empty; `task` is then unchanged
 ///     };
 ///
+/// What happened before a push happens before what follows the pop that returns its element: an
+/// element may point to memory that its pusher wrote and its popper reads, as the renderer's tasks
+/// do, without a further word between the two. That holds for every queue, whatever it claims.
+///
 /// `worker`, in [0, workers), says on whose behalf the call is made. At any moment at most one
 /// thread acts for a worker, and when another thread takes over, the hand-over happens-before its
 /// first call. A queue may therefore keep unsynchronised state per worker.
@@ -24,9 +28,12 @@
 /// single-threaded; a queue may be destroyed while it still holds elements.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <iterator>
 #include <memory>
 #include <string_view>
 #include <type_traits>
@@ -74,21 +81,72 @@ enum class Reclamation : std::uint8_t {
   library,          ///< the library's own scheme, taken as it comes
 };
 
+/// What *full* or *empty* speaks of. A call is *in flight* during another if neither happens before
+/// the other; for `fifo_real_time`, if neither returned before the other was called.
+enum class Answer : std::uint8_t {
+  by_ordering,  ///< `exact` for the FIFO orderings, `calls_in_flight` for the others
+  /// The state of the queue: in some order of all calls that agrees with the ordering claimed, no
+  /// element is inside (*empty*), or `capacity` are (*full*), when the call has its turn.
+  exact,
+  /// The state as far as nobody is about to change it. *full* counts a place for each push in
+  /// flight, and may be answered whenever a pop that takes an element is, whose place is not free
+  /// yet. *empty* may be answered whenever a push or pop that hands over an element is in flight.
+  /// Where no such call explains it, it is as wrong as elsewhere.
+  calls_in_flight,
+  /// Of *empty* alone: this worker found nothing where it looks; others may find something. Wrong
+  /// if the same worker then finds what had been inside, though nobody else did anything meanwhile.
+  this_worker,
+};
+
+/// Words that a queue keeps for itself, so that they cannot be elements: at most four.
+struct ReservedWords {
+  std::array<std::uint64_t, 4> words{};
+  std::uint8_t count = 0;
+
+  constexpr ReservedWords() = default;
+  // Not explicit, so that claims can say `.reserved = {0, 1}`.
+  constexpr ReservedWords(std::initializer_list<std::uint64_t> list)
+      : count(static_cast<std::uint8_t>(list.size())) {
+    for (std::size_t i = 0; i < list.size(); ++i) words.at(i) = std::data(list)[i];
+  }
+};
+
 /// What the author of a queue promises. The suites test each line; none is taken on trust.
 struct Claims {
   Ordering ordering = Ordering::unordered;
   std::uint64_t relaxation = 0;  ///< k of `k_relaxed_fifo`, in elements; 0 for other orderings
   Progress push = Progress::blocking;
   Progress pop = Progress::blocking;
-  bool bounded = false;  ///< `push` answers false when `capacity` elements are held
+  bool bounded = false;                ///< `push` answers false when `capacity` elements are held
+  Answer full = Answer::by_ordering;   ///< what that says; not `this_worker`
+  Answer empty = Answer::by_ordering;  ///< what it says that `pop` answers false
   Callers producers = Callers::many;
   Callers consumers = Callers::many;
+  unsigned max_workers = 0;  ///< the constructor takes at most so many; 0: any number
   Reclamation reclamation = Reclamation::immediate;
   bool needs_cas2 = false;         ///< uses a 16-byte compare-and-swap
   bool all_ones_reserved = false;  ///< the word with all bits set cannot be an element
+  ReservedWords reserved{};        ///< further words that cannot be elements
+  std::uint64_t unused_bits = 0;   ///< bits that must be 0 in every element
+  /// A call that finds no memory throws std::bad_alloc or answers false, and has had no effect.
+  /// Without this promise no tool lets an allocation fail.
+  bool survives_no_memory = true;
   /// False for a baseline that only counts: as many pops succeed as pushes did, or any number, and
   /// `pop` leaves its argument alone. Only benchmarks can use it.
   bool carries_elements = true;
+
+  /// Whether `word` may be pushed.
+  [[nodiscard]] constexpr bool allows(std::uint64_t word) const {
+    if ((word & unused_bits) != 0 || (all_ones_reserved && word == ~std::uint64_t{0})) return false;
+    for (std::size_t i = 0; i < reserved.count; ++i)
+      if (reserved.words.at(i) == word) return false;
+    return true;
+  }
+
+  /// Whether the queue may be made for so many workers.
+  [[nodiscard]] constexpr bool allows_workers(unsigned workers) const {
+    return max_workers == 0 || workers <= max_workers;
+  }
 };
 
 // clang-format 14 does not know how to lay out a concept.

@@ -82,7 +82,8 @@ class States {
   atomic_queue::AtomicQueueB2<T> ring_;
 };
 
-inline constexpr Claims claims{.bounded = true, .reclamation = Reclamation::preallocated};
+inline constexpr Claims claims{
+    .bounded = true, .reclamation = Reclamation::preallocated, .survives_no_memory = false};
 inline constexpr Claims claims_of_words{
     .bounded = true, .reclamation = Reclamation::preallocated, .all_ones_reserved = true};
 

@@ -5,7 +5,8 @@
 /// where a capacity that was asked for is not kept: it is cut down to that.
 ///
 /// Ordering: FIFO by happens-before. Progress: lock-free. Memory: `capacity` nodes, allocated once.
-/// Bounded.
+/// Bounded; *full* counts the nodes of pushes and pops in flight, which take theirs first and give
+/// it back last.
 ///
 /// How it works: as `BoostLockfreeQueue`, with indices into an array of nodes in place of pointers;
 /// an index and its 16-bit count fit into four bytes.
@@ -28,6 +29,7 @@ class BoostLockfreeFixedQueue {
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
                                  .bounded = true,
+                                 .full = Answer::calls_in_flight,
                                  .reclamation = Reclamation::preallocated};
 
   BoostLockfreeFixedQueue(unsigned /*workers*/, std::size_t capacity)

@@ -4,7 +4,8 @@
 /// next place waits until the one before has filled its own.
 ///
 /// Ordering: FIFO by happens-before. Progress: push blocking, pop lock-free. Memory: `capacity`
-/// places rounded up to a power of two, allocated once. Bounded.
+/// places rounded up to a power of two, allocated once. Bounded; *full* counts the places that
+/// pushes in flight have reserved, *empty* does not.
 ///
 /// How it works: producers reserve places by compare-and-swap, fill them, and then raise a second
 /// counter one after the other in the order of their places. A pop reads the place first and then
@@ -31,6 +32,7 @@ class CkRingQueue {
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .pop = Progress::lock_free,
                                  .bounded = true,
+                                 .full = Answer::calls_in_flight,
                                  .reclamation = Reclamation::preallocated};
 
   // One place always stays free.

@@ -91,6 +91,9 @@ class Execution final : public virtual_cores::Tenant {
   /// Why the executions so far do not show everything, although the search came to its end: a limit
   /// that was reached. Empty if none was.
   [[nodiscard]] const std::string& incomplete() const { return incomplete_; }
+  void note_incomplete(std::string why) {
+    if (incomplete_.empty()) incomplete_ = std::move(why);
+  }
   /// Loops that were taken to wait although their state changed.
   [[nodiscard]] std::size_t assumed_waits() const { return assumed_waits_; }
   [[nodiscard]] const Heap& heap() const { return heap_; }
@@ -118,6 +121,10 @@ class Execution final : public virtual_cores::Tenant {
   /// Whether the thread to be stopped came that far in the last run.
   [[nodiscard]] bool froze() const { return froze_; }
   [[nodiscard]] bool stopped(unsigned thread) const { return froze_ && frozen_->first == thread; }
+  /// The thread that is stopped for good, from then on.
+  [[nodiscard]] std::optional<unsigned> stopped() const {
+    return froze_ ? std::optional(frozen_->first) : std::nullopt;
+  }
   [[noreturn]] void report(FindingKind kind, std::string text, std::vector<const void*> places,
                            std::vector<Moment> moments = {});
   /// Where a thread waits that did not come to its end in the last run; none if it did, or if it

@@ -1,105 +1,15 @@
 #include "stress/checker/operations.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
+#include <utility>
+
+#include "stress/history/orders.hpp"
 
 namespace irt::checker {
 
 namespace {
 
 using Kind = Operation::Kind;
-
-/// Depth-first search for an order (Wing and Gong 1993) with the states seen (Lowe 2017).
-class Search {
- public:
-  Search(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity)
-      : operations_(operations), claims_(claims), capacity_(capacity) {
-    if (operations.size() > most) return;
-    for (const Operation& b : operations) {
-      std::uint64_t before = 0;
-      for (std::size_t a = 0; a < operations.size(); ++a)
-        if (precedes(operations[a], b)) before |= std::uint64_t{1} << a;
-      before_.push_back(before);
-    }
-  }
-
-  bool exists() { return operations_.size() > most ? is_in_order() : go(0); }
-
- private:
-  static constexpr std::size_t most = 64;
-
-  // Too many to try orders: whether theirs is right if they have only one, else a shrug.
-  bool is_in_order() {
-    for (std::size_t i = 0; i < operations_.size(); ++i) {
-      if (i > 0 && !precedes(operations_[i - 1], operations_[i])) return true;
-      if (!apply(operations_[i])) return false;
-    }
-    return true;
-  }
-
-  bool go(std::uint64_t done) {
-    if (done == (operations_.size() == 64 ? ~std::uint64_t{0}
-                                          : (std::uint64_t{1} << operations_.size()) - 1))
-      return true;
-    if (!seen_.emplace(done, held_).second) return false;
-    for (std::size_t i = 0; i < operations_.size(); ++i) {
-      const std::uint64_t bit = std::uint64_t{1} << i;
-      if ((done & bit) != 0 || (before_[i] & ~done) != 0) continue;
-      const std::vector<std::uint64_t> saved = held_;
-      if (apply(operations_[i]) && go(done | bit)) return true;
-      held_ = saved;
-    }
-    return false;
-  }
-
-  // Whether the specification allows `operation` now; if so, makes it.
-  bool apply(const Operation& operation) {
-    if (operation.no_memory) return true;
-    if (operation.kind == Kind::push) {
-      if (!operation.answered) return claims_.bounded && held_.size() >= capacity_;
-      held_.push_back(operation.value);
-      return true;
-    }
-    if (!operation.answered) return held_.empty();
-    const auto found = std::find(held_.begin(), held_.end(), operation.value);
-    if (found == held_.end()) return false;
-    if (static_cast<std::uint64_t>(found - held_.begin()) > claims_.relaxation) return false;
-    held_.erase(found);
-    return true;
-  }
-
-  const std::vector<Operation>& operations_;
-  const Claims& claims_;
-  std::size_t capacity_;
-  std::vector<std::uint64_t> before_;
-  std::vector<std::uint64_t> held_;
-  std::set<std::pair<std::uint64_t, std::vector<std::uint64_t>>> seen_;
-};
-
-// What every queue owes: what comes out was put in, once, and nothing stays behind.
-std::optional<std::string> judge_conservation(const std::vector<Operation>& operations) {
-  std::map<std::uint64_t, int> balance;
-  for (const Operation& o : operations)
-    if (o.kind == Kind::push && o.answered) ++balance[o.value];
-  std::map<std::uint64_t, int> taken;
-  for (const Operation& o : operations) {
-    if (o.kind != Kind::pop || !o.answered) continue;
-    if (!balance.contains(o.value))
-      return "pop returned " + std::to_string(o.value) + ", which nobody pushed";
-    if (++taken[o.value] > balance[o.value])
-      return "element " + std::to_string(o.value) + " was popped twice";
-  }
-  for (const auto& [value, pushed] : balance)
-    if (taken[value] < pushed)
-      return "element " + std::to_string(value) + " was pushed and never came out";
-  for (const Operation& push : operations)
-    for (const Operation& pop : operations)
-      if (push.kind == Kind::push && pop.kind == Kind::pop && pop.answered && push.answered &&
-          push.value == pop.value && precedes(pop, push))
-        return "element " + std::to_string(push.value) + " was popped before it was pushed";
-  return std::nullopt;
-}
 
 // Who is told that the frame is over leaves; a push of which nothing has happened by then would be
 // left to the others.
@@ -114,25 +24,134 @@ std::optional<std::string> judge_frame_end(const std::vector<Operation>& operati
   return std::nullopt;
 }
 
-// Elements of one producer leave in the order it pushed them.
-std::optional<std::string> judge_producers(const std::vector<Operation>& operations) {
-  const auto pop_of = [&](std::uint64_t value) -> const Operation* {
-    for (const Operation& o : operations)
-      if (o.kind == Kind::pop && o.answered && o.value == value) return &o;
-    return nullptr;
-  };
-  for (const Operation& a : operations)
-    for (const Operation& b : operations) {
-      if (a.kind != Kind::push || b.kind != Kind::push || !a.answered || !b.answered) continue;
-      if (&a == &b || a.worker != b.worker || !precedes(a, b)) continue;
-      const Operation* first = pop_of(a.value);
-      const Operation* second = pop_of(b.value);
-      if (first != nullptr && second != nullptr && precedes(*second, *first))
-        return "worker " + std::to_string(a.worker) + " pushed " + std::to_string(a.value) +
-               " before " + std::to_string(b.value) + ", and they left the other way round";
-    }
-  return std::nullopt;
+stress::Calls calls_of(const std::vector<Operation>& operations) {
+  using Answered = stress::Kind;
+  std::vector<stress::Call> calls;
+  std::size_t before = 0;
+  std::size_t after = 0;
+  for (const Operation& o : operations) {
+    calls.push_back({.kind = o.kind == Kind::push ? (o.answered ? Answered::push : Answered::full)
+                                                  : (o.answered ? Answered::pop : Answered::empty),
+                     .worker = o.worker,
+                     .value = o.value,
+                     .no_effect = o.no_memory});
+    before += o.phase == Operation::Phase::before ? 1 : 0;
+    after += o.phase == Operation::Phase::after ? 1 : 0;
+  }
+  stress::Calls result(std::move(calls), before, after);
+  for (std::size_t b = result.begin(); b < result.end(); ++b)
+    for (std::size_t a = result.begin(); a < b; ++a)
+      if (precedes(operations[a], operations[b])) result.order(a, b);
+  return result;
 }
+
+/// A broken promise in words, for readers who see the calls beneath.
+class Sentence {
+ public:
+  Sentence(const std::vector<Operation>& operations, const stress::Specification& specification)
+      : operations_(operations), specification_(specification) {
+    const bool timed = std::any_of(operations.begin(), operations.end(),
+                                   [](const Operation& o) { return o.called_at != 0; });
+    order_ = timed ? "real time" : "happens-before";
+  }
+
+  [[nodiscard]] std::string of(const stress::Breach& breach) const {
+    using stress::Pattern;
+    const bool alone = breach.calls.empty();
+    switch (breach.pattern) {
+      case Pattern::fresh:
+        if (breach.calls.size() == 1)
+          return "pop returned " + value(breach, 0) + ", which nobody pushed";
+        if (at(breach, 0).worker != at(breach, 1).worker &&
+            specification_.claims().consumers == Callers::own_worker)
+          return "element " + value(breach, 0) + " was pushed for worker " +
+                 std::to_string(at(breach, 1).worker) + " and popped for worker " +
+                 std::to_string(at(breach, 0).worker);
+        return "element " + value(breach, 0) + " was popped before it was pushed";
+      case Pattern::repeat:
+        return "element " + value(breach, 0) + " was popped twice";
+      case Pattern::lost:
+        return "element " + value(breach, 0) + " was pushed and never came out";
+      case Pattern::order:
+        if (alone) return no_order() + " is first-in first-out";
+        if (at(breach, 2).worker == at(breach, 3).worker)
+          return "worker " + std::to_string(at(breach, 2).worker) + " pushed " + value(breach, 1) +
+                 " before " + value(breach, 0) + ", and they left the other way round";
+        return value(breach, 1) + " was pushed before " + value(breach, 0) + " by " + order_ +
+               ", and they left the other way round";
+      case Pattern::rank:
+        return no_order() + " lets no element pass more than " +
+               std::to_string(specification_.overtakes()) + " older ones";
+      case Pattern::full:
+        return refused(at(breach, 0));
+      case Pattern::witness:
+        if (alone)
+          return "the elements left in order, but in no order of the operations that agrees with " +
+                 order_ + " are all answers of \"empty\" and \"full\" true";
+        return found_nothing(breach);
+    }
+    return "?";
+  }
+
+ private:
+  [[nodiscard]] const Operation& at(const stress::Breach& breach, std::size_t i) const {
+    return operations_[breach.calls[i]];
+  }
+  [[nodiscard]] std::string value(const stress::Breach& breach, std::size_t i) const {
+    return std::to_string(at(breach, i).value);
+  }
+  [[nodiscard]] std::string no_order() const {
+    return "no order of the operations that agrees with " + order_;
+  }
+
+  /// "thread 1's second pop", "a pop after the threads".
+  [[nodiscard]] std::string who(const Operation& o) const {
+    const std::string name = o.kind == Kind::push ? "push" : "pop";
+    if (o.phase == Operation::Phase::before) return "a " + name + " before the threads";
+    if (o.phase == Operation::Phase::after) return "a " + name + " after the threads";
+    std::size_t number = 0;
+    std::size_t all = 0;
+    for (const Operation& other : operations_) {
+      if (other.thread != o.thread || other.kind != o.kind || other.phase != o.phase) continue;
+      ++all;
+      number += other.number <= o.number ? 1 : 0;
+    }
+    return "thread " + std::to_string(o.thread) + "'s " +
+           (all == 1 ? name : name + " number " + std::to_string(number));
+  }
+
+  [[nodiscard]] std::string refused(const Operation& push) const {
+    const std::string text =
+        who(push) + " (of " + std::to_string(push.value) + ") answered \"full\"";
+    if (!specification_.claims().bounded) return text + ", and the queue claims no bound";
+    const std::string places = std::to_string(specification_.capacity());
+    if (specification_.full() == Answer::exact)
+      return text + ", and in no order of the operations that agrees with " + order_ +
+             " were all " + places + " places taken then";
+    return text + " with fewer than " + places +
+           " elements inside, and no call in flight explains it";
+  }
+
+  [[nodiscard]] std::string found_nothing(const stress::Breach& breach) const {
+    const std::string text = who(at(breach, 0)) + " answered \"empty\"";
+    if (breach.calls.size() < 3)
+      return text + ", and in no order of the operations that agrees with " + order_ +
+             " was the queue empty then";
+    const std::string inside = text + " while " + value(breach, 1) + " was inside";
+    switch (specification_.empty()) {
+      case Answer::this_worker:
+        return inside + ", which the same worker took next, with nobody else at work";
+      case Answer::calls_in_flight:
+        return inside + ", and no call in flight explains it";
+      default:
+        return inside + ", by " + order_;
+    }
+  }
+
+  const std::vector<Operation>& operations_;
+  const stress::Specification& specification_;
+  std::string order_;
+};
 
 }  // namespace
 
@@ -156,33 +175,14 @@ std::string to_string(const Operation& o) {
                                     : "empty");
 }
 
-std::optional<std::string> judge(const std::vector<Operation>& operations, const Claims& claims,
-                                 std::size_t capacity) {
-  if (auto wrong = judge_conservation(operations)) return wrong;
-  if (auto wrong = judge_frame_end(operations)) return wrong;
-  switch (claims.ordering) {
-    case Ordering::unordered:
-      return std::nullopt;
-    case Ordering::per_producer_fifo:
-      return judge_producers(operations);
-    case Ordering::k_relaxed_fifo:
-    case Ordering::fifo_happens_before:
-    case Ordering::fifo_real_time:
-      break;
-  }
-  Claims claimed = claims;
-  if (claims.ordering != Ordering::k_relaxed_fifo) claimed.relaxation = 0;
-  if (Search(operations, claimed, capacity).exists()) return std::nullopt;
-  std::vector<Operation> answers;
-  std::copy_if(operations.begin(), operations.end(), std::back_inserter(answers),
-               [](const Operation& o) { return o.answered; });
-  const bool timed = std::any_of(operations.begin(), operations.end(),
-                                 [](const Operation& o) { return o.called_at != 0; });
-  const std::string order = timed ? "real time" : "happens-before";
-  if (!Search(answers, claimed, capacity).exists())
-    return "no order of the operations that agrees with " + order + " is first-in first-out";
-  return "the elements left in order, but in no order of the operations that agrees with " + order +
-         " are all answers of \"empty\" and \"full\" true";
+Opinion judge(const std::vector<Operation>& operations, const Claims& claims,
+              std::size_t capacity) {
+  if (auto wrong = judge_frame_end(operations)) return {std::move(wrong)};
+  const stress::Specification specification(claims, capacity);
+  const stress::Judgement judgement =
+      stress::judge_in_every_order(calls_of(operations), specification);
+  if (!judgement.breach) return {std::nullopt, judgement.decided};
+  return {Sentence(operations, specification).of(*judgement.breach)};
 }
 
 }  // namespace irt::checker

@@ -43,10 +43,13 @@ bool precedes(const Operation& a, const Operation& b);
 /// "push 3 -> full", "pop -> 3", "pop -> empty".
 std::string to_string(const Operation& operation);
 
-/// What is wrong with `operations` by the claims, if anything: no order of the operations that
-/// agrees with `precedes` is one of a queue as claimed. All operations are
-/// finished, the last ones empty the queue; more than 64 are judged only if each precedes the next.
-std::optional<std::string> judge(const std::vector<Operation>& operations, const Claims& claims,
-                                 std::size_t capacity);
+struct Opinion {
+  std::optional<std::string> wrong;  ///< one sentence; none: as claimed
+  bool decided = true;               ///< false: too many orders to try; that proves nothing
+};
+
+/// What is wrong with `operations` by the claims, if anything, as stress/history/specification.hpp
+/// has it. All operations are finished, the last ones empty the queue; phases follow each other.
+Opinion judge(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity);
 
 }  // namespace irt::checker

@@ -2,8 +2,19 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
+#include <stdexcept>
+
+#include "stress/history/specification.hpp"
 
 namespace irt::checker {
+
+namespace {
+
+/// A queue that leaves so few words as to refuse that many in a row is not for this tool.
+constexpr std::uint64_t most_tries = 100'000;
+
+}  // namespace
 
 QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
                          virtual_cores::Module* module, bool real_time)
@@ -13,28 +24,30 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     capacity_ = entry.claims.bounded ? std::max<std::size_t>(most_held(shape_), 1) : 1;
 
   const auto count = static_cast<unsigned>(shape_.threads.size());
+  if (!entry.claims.allows_workers(count))
+    throw std::invalid_argument("shape \"" + to_string(shape_) + "\": " + std::to_string(count) +
+                                " threads, and the queue claims to be made for at most " +
+                                std::to_string(entry.claims.max_workers));
+  cast_roles();
   scenario_.module = module;
   scenario_.prepare = [this, count] {
     operations_.clear();
     phase_ = Operation::Phase::before;
     pushed_.assign(count + 1, 0);
     queue_ = entry_.make_word_queue(count, capacity_).release();
-    run_letters(shape_.prologue, count, 0);
+    run_letters(shape_.prologue, count);
     phase_ = Operation::Phase::during;
   };
   for (unsigned thread = 0; thread < count; ++thread)
-    scenario_.threads.emplace_back(
-        [this, thread] { run_letters(shape_.threads[thread], thread, thread); });
+    scenario_.threads.emplace_back([this, thread] { run_letters(shape_.threads[thread], thread); });
   scenario_.finish = [this, count] {
     phase_ = Operation::Phase::after;
-    const bool stalled = Execution::current_execution()->freezes();
-    if (stalled && entry_.claims.pop == Progress::blocking) return;
-    run_letters(shape_.epilogue, count, 0);
-    for (unsigned worker = 0; worker < count; ++worker)
-      while (pop(count, worker)) {
-      }
+    const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
+    if (stopped && entry_.claims.pop == Progress::blocking) return;
+    run_letters(shape_.epilogue, count);
+    drain(count, stopped);
     // A queue with a call in the middle of it cannot be destroyed.
-    if (!stalled) delete queue_;
+    if (!stopped) delete queue_;
   };
   scenario_.judge = [this](const Execution& execution) { return judge_history(execution); };
   scenario_.histories = [this] {
@@ -44,32 +57,71 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
   };
 }
 
-void QueueClient::run_letters(const std::string& letters, unsigned thread, unsigned worker) {
+void QueueClient::cast_roles() {
+  const auto first_with = [this](std::string_view letters) -> std::optional<unsigned> {
+    for (unsigned thread = 0; thread < shape_.threads.size(); ++thread)
+      if (shape_.threads[thread].find_first_of(letters) != std::string::npos) return thread;
+    return std::nullopt;
+  };
+  if (entry_.claims.producers == Callers::one) pusher_ = first_with("ERTF").value_or(0);
+  if (entry_.claims.consumers == Callers::one)
+    popper_ = first_with("DRTF").value_or(static_cast<unsigned>(shape_.threads.size()) - 1);
+}
+
+// Who pops in the shape empties the queue, until all of them find nothing. Everybody does if nobody
+// pops there, where each has a queue of its own, and where the others must do without a stopped
+// thread. Nobody acts for that one.
+void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
+  std::vector<unsigned> poppers;
+  for (unsigned worker = 0; worker < main; ++worker)
+    if (entry_.claims.consumers == Callers::one
+            ? worker == popper_
+            : shape_.threads[worker].find_first_of("DRTF") != std::string::npos)
+      poppers.push_back(worker);
+  if (poppers.empty() || entry_.claims.consumers == Callers::own_worker ||
+      (stopped && entry_.claims.consumers == Callers::many)) {
+    poppers.resize(main);
+    std::iota(poppers.begin(), poppers.end(), 0U);
+  }
+  for (bool found = true; found;) {
+    found = false;
+    for (const unsigned worker : poppers)
+      while (worker != stopped && pop(main, worker)) found = true;
+  }
+}
+
+void QueueClient::run_letters(const std::string& letters, unsigned thread) {
+  // What comes before and after the threads is done by the workers whose part it is.
+  const bool alone = thread == shape_.threads.size();
+  const unsigned pusher = alone ? pusher_ : thread;
+  const unsigned popper = alone ? popper_ : thread;
+  const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
+  if (alone && (pusher == stopped || popper == stopped)) return;
   for (const char letter : letters) {
     switch (letter) {
       case 'E':
-        push(thread, worker);
+        push(thread, pusher);
         break;
       case 'D':
-        pop(thread, worker);
+        pop(thread, popper);
         break;
       case 'R':
-        if (pop(thread, worker)) {
-          push(thread, worker);
-          push(thread, worker);
+        if (pop(thread, popper)) {
+          push(thread, pusher);
+          push(thread, pusher);
         }
         break;
       case 'T':
-        work_until_over(thread, worker);
+        work_until_over(thread, popper);
         break;
       case 'F':
-        for (std::size_t i = 0; i < 2 * capacity_ + 2 && push(thread, worker); ++i) {
+        for (std::size_t i = 0; i < 2 * capacity_ + 2 && push(thread, pusher); ++i) {
         }
-        pop(thread, worker);
-        push(thread, worker);
+        pop(thread, popper);
+        push(thread, pusher);
         break;
       case 'C':
-        queue_->push(worker, close_word);
+        queue_->push(pusher, close_word);
         break;
       case 'S':
         Execution::current_execution()->signal();
@@ -84,10 +136,22 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread, unsig
 }
 
 bool QueueClient::push(unsigned thread, unsigned worker) {
-  const std::uint64_t value = 100 * (thread + 1) + ++pushed_[thread];
+  const std::uint64_t value = next_value(thread);
   const std::size_t number = call(Operation::Kind::push, thread, worker);
   operations_[number].value = value;
   return finish(number, [&] { return queue_->push(worker, value); });
+}
+
+// 101, 102, ... for thread 0, 201 for thread 1; from the hundredth on with more room between them.
+// What the queue keeps for itself is left out.
+std::uint64_t QueueClient::next_value(unsigned thread) {
+  for (std::uint64_t tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t n = ++pushed_[thread];
+    const std::uint64_t value = (n < 100 ? 100 : 10'000'000) * (std::uint64_t{thread} + 1) + n;
+    if (entry_.claims.allows(value)) return value;
+  }
+  Execution::current_execution()->report(
+      FindingKind::failure, "the queue's claims leave no words that could be elements", {});
 }
 
 bool QueueClient::pop(unsigned thread, unsigned worker) {
@@ -173,15 +237,22 @@ void QueueClient::work_until_over(unsigned thread, unsigned worker) {
       return;
     }
     // A task of the prologue has two children; they have none.
-    const bool root = operations_[number].value / 100 == shape_.threads.size() + 1;
+    const bool root = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
+      return o.kind == Operation::Kind::push && o.phase == Operation::Phase::before &&
+             o.value == operations_[number].value;
+    });
     for (int child = 0; root && child < 2; ++child) push(thread, worker);
   }
 }
 
-std::optional<std::string> QueueClient::judge_stalled() const {
-  if (entry_.claims.pop == Progress::blocking) return std::nullopt;
+std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
+  const stress::Specification specification(entry_.claims, capacity_);
+  if (!specification.pops_past_stopped()) return std::nullopt;
+  if (entry_.claims.consumers == Callers::one && popper_ == stopped) return std::nullopt;
   for (const Operation& push : operations_) {
     if (push.kind != Operation::Kind::push || !push.answered) continue;
+    // Where each has a queue of its own, only the stopped one could take it.
+    if (entry_.claims.consumers == Callers::own_worker && push.worker == stopped) continue;
     const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
       return o.kind == Operation::Kind::pop && o.value == push.value && (o.answered || !o.finished);
     });
@@ -196,27 +267,29 @@ std::optional<std::string> QueueClient::judge_stalled() const {
 }
 
 std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
-  if (execution.freezes()) return judge_stalled();
-  if (operations_.size() > 64) return judge(operations_, entry_.claims, capacity_);
+  if (const auto stopped = execution.stopped()) return judge_stalled(*stopped);
   // Few histories differ in what matters: the answers and the order. Each is judged once.
   std::vector<const Operation*> sorted;
   for (const Operation& operation : operations_) sorted.push_back(&operation);
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const Operation* a, const Operation* b) { return a->thread < b->thread; });
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Operation* a, const Operation* b) {
+    return a->phase != b->phase ? a->phase < b->phase : a->thread < b->thread;
+  });
   std::string key;
   for (const Operation* b : sorted) {
-    std::uint64_t before = 0;
-    for (std::size_t a = 0; a < sorted.size(); ++a)
-      before |= std::uint64_t{precedes(*sorted[a], *b)} << a;
     key += b->no_memory ? 'm' : b->answered ? 'y' : 'n';
     key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
-    key.append(reinterpret_cast<const char*>(&before), sizeof before);
+    if (b->phase != Operation::Phase::during) continue;  // in the order in which they stand
+    for (const Operation* a : sorted)
+      if (a->phase == b->phase) key += precedes(*a, *b) ? '<' : ' ';
   }
   const auto known = judged_.find(key);
   if (known != judged_.end() && known->second) return std::nullopt;
-  auto wrong = judge(operations_, entry_.claims, capacity_);
-  judged_[key] = !wrong;
-  return wrong;
+  Opinion opinion = judge(operations_, entry_.claims, capacity_);
+  judged_[key] = !opinion.wrong;
+  if (!opinion.decided)
+    Execution::current_execution()->note_incomplete(
+        "the answers of an execution fit more orders than can be tried");
+  return std::move(opinion.wrong);
 }
 
 }  // namespace irt::checker

@@ -1,13 +1,16 @@
 /// A client of one queue: a shape, and the judgement of what the queue answered.
 ///
 /// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
-/// before and after is done on behalf of worker 0.
+/// before and after is done on behalf of worker 0 or, where the queue is for one producer or one
+/// consumer, of the worker that is it. The workers that pop in the shape empty the queue, all
+/// workers if none does. Nobody acts for a thread that was stopped.
 ///
 /// Each element stands for something that its thread writes just before the push, and that is read
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -38,7 +41,10 @@ class QueueClient {
   [[nodiscard]] const Shape& shape() const { return shape_; }
 
  private:
-  void run_letters(const std::string& letters, unsigned thread, unsigned worker);
+  void cast_roles();
+  void run_letters(const std::string& letters, unsigned thread);
+  void drain(unsigned main, std::optional<unsigned> stopped);
+  std::uint64_t next_value(unsigned thread);
   void work_until_over(unsigned thread, unsigned worker);
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
@@ -47,7 +53,7 @@ class QueueClient {
   template <class Work>
   bool finish(std::size_t number, Work work);
   std::optional<std::string> judge_history(const Execution& execution);
-  [[nodiscard]] std::optional<std::string> judge_stalled() const;
+  [[nodiscard]] std::optional<std::string> judge_stalled(unsigned stopped) const;
 
   QueueEntry entry_;
   Shape shape_;
@@ -59,6 +65,8 @@ class QueueClient {
   Operation::Phase phase_ = Operation::Phase::before;
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far
   std::unordered_map<std::string, bool> judged_;
+  unsigned pusher_ = 0;  ///< the worker that pushes before and after the threads
+  unsigned popper_ = 0;  ///< and the one that pops
 };
 
 }  // namespace irt::checker

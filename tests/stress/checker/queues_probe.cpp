@@ -1,10 +1,12 @@
 // Queues to try the checker on: healthy ones, and each fault that the checker must find. Michael
 // and Scott's queue keeps its nodes until it is destroyed, as other checkers' benchmarks have it.
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "queues/lock_free/lcrq.hpp"
 #include "queues/word.hpp"
@@ -192,7 +194,7 @@ class Ring {
       .bounded = true,
       .reclamation = Reclamation::preallocated};
 
-  Ring(unsigned, std::size_t) {
+  Ring(unsigned, std::size_t capacity) : size(std::max<std::size_t>(capacity, 2)), slots_(size) {
     for (std::size_t i = 0; i < size; ++i) slots_[i].sequence.store(i, rlx);
   }
   bool push(unsigned, T task) {
@@ -227,12 +229,12 @@ class Ring {
   }
 
  private:
-  static constexpr std::size_t size = 2;
   struct Slot {
     std::atomic<std::size_t> sequence;
     T task;
   };
-  Slot slots_[size];
+  std::size_t size;
+  std::vector<Slot> slots_;
   std::atomic<std::size_t> head_{0}, tail_{0};
 };
 
@@ -264,9 +266,9 @@ template <class T, std::memory_order order>
 class Bag {
  public:
   static constexpr std::string_view summary = "a bag";
-  static constexpr Claims claims{.reclamation = Reclamation::at_destruction};
+  static constexpr Claims claims{.bounded = true, .reclamation = Reclamation::preallocated};
 
-  Bag(unsigned, std::size_t) {}
+  Bag(unsigned, std::size_t capacity) : places_(capacity) {}
   bool push(unsigned, T task) {
     for (auto& place : places_) {
       std::uint64_t none = 0;
@@ -285,7 +287,7 @@ class Bag {
   }
 
  private:
-  std::atomic<std::uint64_t> places_[8]{};
+  std::vector<std::atomic<std::uint64_t>> places_;
 };
 
 template <class T>

@@ -229,9 +229,9 @@ TEST(Judge, orders_operations_by_happens_before_only) {
   Operation pop{.kind = Operation::Kind::pop, .thread = 2, .answered = true, .finished = true};
   pop.value = 7;
   pop.phase = Operation::Phase::after;
-  EXPECT_FALSE(checker::judge({push, empty, pop}, fifo, 1)) << "the push may come later";
+  EXPECT_FALSE(checker::judge({push, empty, pop}, fifo, 1).wrong) << "the push may come later";
   empty.called.count[0] = 3;
-  EXPECT_TRUE(checker::judge({push, empty, pop}, fifo, 1)) << "the push happens before";
-  EXPECT_TRUE(checker::judge({push, pop, pop}, fifo, 1)) << "popped twice";
-  EXPECT_TRUE(checker::judge({push}, fifo, 1)) << "lost";
+  EXPECT_TRUE(checker::judge({push, empty, pop}, fifo, 1).wrong) << "the push happens before";
+  EXPECT_TRUE(checker::judge({push, pop, pop}, fifo, 1).wrong) << "popped twice";
+  EXPECT_TRUE(checker::judge({push}, fifo, 1).wrong) << "lost";
 }
