@@ -6,14 +6,26 @@
 namespace irt::stress {
 
 HappensBefore::HappensBefore(const Matching& matching) : matching_(&matching) {
-  for (const auto& log : matching.history().logs) rows_.push_back({&log, {}, {}});
-  rows_.push_back({&matching.history().drain, {}, {}});
+  for (const auto& log : matching.history().logs) rows_.push_back({&log, {}, {}, {}});
+  rows_.push_back({&matching.history().drain, {}, {}, {}});
   for (Row& row : rows_) {
     row.clocks.resize(row.log->size() * rows_.size());
     row.earliest_push.resize((row.log->size() + 1) * rows_.size(), no_push);
   }
   run();
-  if (!cycle_) note_earliest();
+  if (cycle_) return;
+  note_earliest();
+  for (Row& row : rows_) {
+    row.counts.emplace_back();
+    for (const Operation& operation : *row.log) {
+      Count count = row.counts.back();
+      count.pushes += operation.kind == Kind::push ? 1 : 0;
+      count.refused += operation.kind == Kind::full ? 1 : 0;
+      count.pops += operation.kind == Kind::pop ? 1 : 0;
+      count.empties += operation.kind == Kind::empty ? 1 : 0;
+      row.counts.push_back(count);
+    }
+  }
 }
 
 void HappensBefore::run() {
@@ -116,23 +128,26 @@ std::size_t HappensBefore::first_after(std::size_t row, std::size_t of, std::siz
   return low;
 }
 
-const Operation* HappensBefore::later_pop(const Tick* past, std::size_t row, std::size_t index,
-                                          std::optional<std::size_t> only) const {
+std::optional<HappensBefore::Position> HappensBefore::later_pop(
+    const Tick* past, Position at, std::optional<std::size_t> producer,
+    std::optional<std::size_t> only_row) const {
   const std::size_t width = rows_.size();
-  for (std::size_t other = 0; other < width; ++other) {
-    const std::size_t first = first_after(other, row, index);
-    const Tick* earliest = &rows_[other].earliest_push[first * width];
-    for (std::size_t producer = 0; producer + 1 < width; ++producer) {
-      if (earliest[producer] > past[producer] || (only && producer != *only)) continue;
-      for (const auto* pop = rows_[other].log->data() + first;; ++pop) {
-        if (pop->kind != Kind::pop || producer_of(pop->value) != producer) continue;
-        const Life* life = matching_->find(pop->value);
+  for (std::size_t row = 0; row < width; ++row) {
+    if (only_row && row != *only_row) continue;
+    const std::size_t first = first_after(row, at.row, at.index);
+    const Tick* earliest = &rows_[row].earliest_push[first * width];
+    for (std::size_t pusher = 0; pusher + 1 < width; ++pusher) {
+      if (earliest[pusher] > past[pusher] || (producer && pusher != *producer)) continue;
+      for (std::size_t i = first;; ++i) {
+        const Operation& pop = (*rows_[row].log)[i];
+        if (pop.kind != Kind::pop || producer_of(pop.value) != pusher) continue;
+        const Life* life = matching_->find(pop.value);
         if (life == nullptr) continue;
-        if (life->push - rows_[producer].log->data() < past[producer]) return pop;
+        if (life->push - rows_[pusher].log->data() < past[pusher]) return Position{row, i};
       }
     }
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 std::optional<Violation> HappensBefore::judge_order(bool same_producer) const {
@@ -144,76 +159,121 @@ std::optional<Violation> HappensBefore::judge_order(bool same_producer) const {
       if (b == nullptr) continue;
       const std::size_t producer = producer_of(log[i].value);
       const auto pushed = static_cast<std::size_t>(b->push - rows_[producer].log->data());
-      const Operation* late = later_pop(clock(producer, pushed), row, i,
-                                        same_producer ? std::optional(producer) : std::nullopt);
-      if (late == nullptr || late->value == log[i].value) continue;
+      const auto at = later_pop(clock(producer, pushed), {row, i},
+                                same_producer ? std::optional(producer) : std::nullopt, {});
+      if (!at || operation(*at).value == log[i].value) continue;
+      const Operation& late = operation(*at);
       return Violation{
           Pattern::order,
           fmt::format("{} left before {}, which had been pushed earlier by {}",
-                      element_name(log[i].value), element_name(late->value),
+                      element_name(log[i].value), element_name(late.value),
                       same_producer ? "the same producer" : "happens-before"),
-          {matching_->culprit(*matching_->find(late->value)->push), matching_->culprit(*b->push),
-           matching_->culprit(log[i]), matching_->culprit(*late)}};
+          {matching_->culprit(*matching_->find(late.value)->push), matching_->culprit(*b->push),
+           matching_->culprit(log[i]), matching_->culprit(late)}};
     }
   }
   return std::nullopt;
 }
 
-HappensBefore::Empties HappensBefore::judge_empties() const {
+HappensBefore::Range HappensBefore::concurrent(std::size_t row, Position at) const {
+  const std::size_t from = clock(at.row, at.index)[row];
+  return {from, std::max(from, first_after(row, at.row, at.index))};
+}
+
+InFlight HappensBefore::around(Position at) const {
+  InFlight result;
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    if (row == at.row) continue;
+    const Range range = concurrent(row, at);
+    const Count& before = rows_[row].counts[range.from];
+    const Count& until = rows_[row].counts[range.to];
+    result.pushes += static_cast<std::uint64_t>(until.pushes - before.pushes);
+    result.pops += static_cast<std::uint64_t>(until.pops - before.pops);
+    result.refused += until.refused > before.refused ? 1 : 0;
+  }
+  return result;
+}
+
+bool HappensBefore::has_doubtful_empty(Position at, Position pop) const {
+  const Element e = operation(pop).value;
+  const std::size_t producer = producer_of(e);
+  const auto pushed =
+      static_cast<std::size_t>(matching_->find(e)->push - rows_[producer].log->data());
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    if (row == at.row) continue;
+    const auto empties = [&counts = rows_[row].counts](std::size_t from, std::size_t to) {
+      return from < to ? counts[to].empties - counts[from].empties : 0;
+    };
+    const Range range = concurrent(row, at);
+    const std::size_t from = std::max(range.from, first_after(row, producer, pushed));
+    const std::size_t to = std::min<std::size_t>(range.to, clock(pop.row, pop.index)[row]);
+    if (empties(range.from, range.to) > empties(from, to)) return true;
+  }
+  return false;
+}
+
+bool HappensBefore::found_again(Position at, Position pop) const {
+  // Who drained what is not written down.
+  if (pop.row != at.row || at.row + 1 == rows_.size()) return false;
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    if (row != at.row && clock(at.row, at.index)[row] < first_after(row, pop.row, pop.index))
+      return false;
+  return true;
+}
+
+HappensBefore::Empties HappensBefore::judge_empties(const Specification& specification) const {
   Empties result;
+  const bool own_only = specification.empty() == Answer::this_worker;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     const auto& log = *rows_[row].log;
     for (std::size_t i = 0; i < log.size(); ++i) {
       if (log[i].kind != Kind::empty) continue;
       ++result.all;
-      const Operation* pop = later_pop(clock(row, i), row, i, std::nullopt);
-      if (pop == nullptr) continue;
-      if (result.refuted++ > 0) continue;
+      const Position at{row, i};
+      std::optional<Position> pop = later_pop(clock(row, i), at, {}, {});
+      if (!pop) continue;
+      ++result.refuted;
+      if (result.first) continue;
+      if (own_only) pop = later_pop(clock(row, i), at, {}, row);
+      if (!pop) continue;
+      InFlight in_flight = around(at);
+      in_flight.doubtful_empty = has_doubtful_empty(at, *pop);
+      if (specification.allows_empty(in_flight, found_again(at, *pop))) continue;
+      const Element e = operation(*pop).value;
       result.first =
           Violation{Pattern::witness,
-                    fmt::format("pop answered empty between push and pop of {} by happens-before",
-                                element_name(pop->value)),
-                    {matching_->culprit(*matching_->find(pop->value)->push),
-                     matching_->culprit(log[i]), matching_->culprit(*pop)}};
+                    fmt::format("pop answered empty between push and pop of {} by happens-before{}",
+                                element_name(e),
+                                specification.empty() == Answer::calls_in_flight
+                                    ? ", and no call in flight explains it"
+                                    : ""),
+                    {matching_->culprit(*matching_->find(e)->push), matching_->culprit(log[i]),
+                     matching_->culprit(operation(*pop))}};
     }
   }
   return result;
 }
 
-std::optional<Violation> HappensBefore::judge_full(std::size_t capacity, bool exact) const {
-  // counts[row][i]: how many of the first i operations are pushes, and how many are pops.
-  struct Count {
-    std::int64_t pushes = 0;
-    std::int64_t pops = 0;
-  };
-  std::vector<std::vector<Count>> counts(rows_.size());
-  for (std::size_t row = 0; row < rows_.size(); ++row) {
-    counts[row].resize(rows_[row].log->size() + 1);
-    for (std::size_t i = 0; i < rows_[row].log->size(); ++i) {
-      const Kind kind = (*rows_[row].log)[i].kind;
-      counts[row][i + 1] = {counts[row][i].pushes + (kind == Kind::push ? 1 : 0),
-                            counts[row][i].pops + (kind == Kind::pop ? 1 : 0)};
-    }
-  }
+std::optional<Violation> HappensBefore::judge_full(const Specification& specification) const {
   for (std::size_t row = 0; row + 1 < rows_.size(); ++row) {
     const auto& log = *rows_[row].log;
     for (std::size_t i = 0; i < log.size(); ++i) {
       if (log[i].kind != Kind::full) continue;
-      std::int64_t most = 0, concurrent_pops = 0;
+      const Position at{row, i};
+      std::int64_t most = 0;
       for (std::size_t other = 0; other + 1 < rows_.size(); ++other) {
-        const Count& before = counts[other][clock(row, i)[other]];
-        const Count& not_after =
-            counts[other][std::min(first_after(other, row, i), counts[other].size() - 1)];
-        most += not_after.pushes - before.pops;
-        concurrent_pops += not_after.pops - before.pops;
+        const Range range = concurrent(other, at);
+        most += rows_[other].counts[range.to].pushes - rows_[other].counts[range.from].pops;
       }
-      if (most >= static_cast<std::int64_t>(capacity)) continue;
-      if (!exact && concurrent_pops > 0) continue;
-      return Violation{Pattern::full,
-                       fmt::format("push answered full although by happens-before at most {} of "
-                                   "{} places can have been taken",
-                                   most, capacity),
-                       {matching_->culprit(log[i])}};
+      // Fewer than none were pushed twice, which is another finding.
+      const auto inside = static_cast<std::uint64_t>(std::max<std::int64_t>(most, 0));
+      if (specification.allows_full(inside, around(at))) continue;
+      return Violation{
+          Pattern::full,
+          fmt::format("push answered full although by happens-before at most {} of {} places can "
+                      "have been taken",
+                      inside, specification.capacity()),
+          {matching_->culprit(log[i])}};
     }
   }
   return std::nullopt;

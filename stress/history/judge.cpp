@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "stress/history/happens_before.hpp"
+#include "stress/history/specification.hpp"
 
 namespace irt::stress {
 namespace {
@@ -12,37 +13,31 @@ void add(Verdict& verdict, std::optional<Violation> violation) {
   if (violation) verdict.violations.push_back(std::move(*violation));
 }
 
-void judge_one_queue(const History& history, const Claims& claims, std::size_t capacity,
-                     Verdict& verdict) {
+void judge_one_queue(const History& history, const Specification& specification, Verdict& verdict) {
+  const Claims& claims = specification.claims();
   const Matching matching(history);
   for (const Violation& violation : matching.violations()) verdict.violations.push_back(violation);
 
   const HappensBefore order(matching);
   add(verdict, order.cycle());
   if (order.cycle()) return;
-  HappensBefore::Empties empties = order.judge_empties();
+  HappensBefore::Empties empties = order.judge_empties(specification);
   verdict.refuted_empties += empties.refuted;
 
-  const bool fifo = claims.ordering == Ordering::fifo_happens_before ||
-                    claims.ordering == Ordering::fifo_real_time;
-  if (fifo) {
-    add(verdict, order.judge_order(false));
-    add(verdict, std::move(empties.first));
-  }
-  if (claims.bounded) add(verdict, order.judge_full(capacity, fifo));
+  if (specification.fifo()) add(verdict, order.judge_order(false));
+  add(verdict, std::move(empties.first));
+  if (claims.bounded) add(verdict, order.judge_full(specification));
   if (claims.ordering == Ordering::fifo_real_time) {
-    for (Violation& violation : judge_real_time(matching)) {
+    for (Violation& violation : judge_real_time(matching, specification)) {
       verdict.violations.push_back(std::move(violation));
     }
-    if (claims.bounded) add(verdict, judge_full_real_time(matching, capacity));
   }
   if (claims.ordering == Ordering::per_producer_fifo) add(verdict, order.judge_order(true));
-  if (!fifo) {
+  if (!specification.fifo()) {
     Relaxation relaxation = measure_relaxation(matching);
-    if (claims.ordering == Ordering::k_relaxed_fifo &&
-        relaxation.rank_error.max > claims.relaxation) {
+    if (relaxation.rank_error.max > specification.overtakes()) {
       Violation violation = *relaxation.worst;
-      violation.text += fmt::format(", and the queue claims at most {}", claims.relaxation);
+      violation.text += fmt::format(", and the queue claims at most {}", specification.overtakes());
       verdict.violations.push_back(std::move(violation));
     }
     verdict.relaxation = std::move(relaxation);
@@ -65,6 +60,7 @@ std::optional<Violation> unbounded_full(const History& history) {
 }  // namespace
 
 Verdict judge(const History& history, const Claims& claims, std::size_t capacity) {
+  const Specification specification(claims, capacity);
   Verdict verdict;
   const auto count = [&](const std::vector<Operation>& log) {
     for (const Operation& operation : log) {
@@ -79,7 +75,7 @@ Verdict judge(const History& history, const Claims& claims, std::size_t capacity
   if (!claims.bounded && verdict.fulls > 0) add(verdict, unbounded_full(history));
 
   if (claims.consumers != Callers::own_worker) {
-    judge_one_queue(history, claims, capacity, verdict);
+    judge_one_queue(history, specification, verdict);
     return verdict;
   }
   for (std::size_t worker = 0; worker < history.logs.size(); ++worker) {
@@ -93,7 +89,7 @@ Verdict judge(const History& history, const Claims& claims, std::size_t capacity
         own.drain.push_back(operation);
       }
     }
-    judge_one_queue(own, claims, capacity, verdict);
+    judge_one_queue(own, specification, verdict);
   }
   verdict.relaxation = measure_relaxation(Matching(history));
   return verdict;

@@ -135,47 +135,7 @@ void find_witness(const Matching& matching, std::vector<Violation>& found) {
   }
 }
 
-/// Counts by position, with prefix sums in O(log n) (Fenwick 1994).
-class Counts {
- public:
-  explicit Counts(std::size_t size) : tree_(size + 1, 0) {}
-  void add(std::size_t position) {
-    for (std::size_t i = position + 1; i < tree_.size(); i += i & (~i + 1)) ++tree_[i];
-  }
-  /// How many were added at positions below `end`.
-  [[nodiscard]] std::uint64_t below(std::size_t end) const {
-    std::uint64_t sum = 0;
-    for (std::size_t i = end; i > 0; i -= i & (~i + 1)) sum += tree_[i];
-    return sum;
-  }
-
- private:
-  std::vector<std::uint32_t> tree_;
-};
-
-Distances summarise(std::vector<std::uint64_t>& values) {
-  if (values.empty()) return {};
-  Distances d;
-  for (const std::uint64_t v : values) d.mean += static_cast<double>(v);
-  d.mean /= static_cast<double>(values.size());
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
-  std::nth_element(values.begin(), at, values.end());
-  d.p99 = *at;
-  d.max = *std::max_element(at, values.end());
-  return d;
-}
-
-}  // namespace
-
-std::vector<Violation> judge_real_time(const Matching& matching) {
-  std::vector<Violation> found;
-  find_fresh(matching, found);
-  find_order(matching, found);
-  find_witness(matching, found);
-  return found;
-}
-
-std::optional<Violation> judge_full_real_time(const Matching& matching, std::size_t capacity) {
+std::optional<Violation> find_full(const Matching& matching, std::size_t capacity) {
   struct Change {
     Stamp at;
     int by;
@@ -231,6 +191,50 @@ std::optional<Violation> judge_full_real_time(const Matching& matching, std::siz
     }
   }
   return std::nullopt;
+}
+
+/// Counts by position, with prefix sums in O(log n) (Fenwick 1994).
+class Counts {
+ public:
+  explicit Counts(std::size_t size) : tree_(size + 1, 0) {}
+  void add(std::size_t position) {
+    for (std::size_t i = position + 1; i < tree_.size(); i += i & (~i + 1)) ++tree_[i];
+  }
+  /// How many were added at positions below `end`.
+  [[nodiscard]] std::uint64_t below(std::size_t end) const {
+    std::uint64_t sum = 0;
+    for (std::size_t i = end; i > 0; i -= i & (~i + 1)) sum += tree_[i];
+    return sum;
+  }
+
+ private:
+  std::vector<std::uint32_t> tree_;
+};
+
+Distances summarise(std::vector<std::uint64_t>& values) {
+  if (values.empty()) return {};
+  Distances d;
+  for (const std::uint64_t v : values) d.mean += static_cast<double>(v);
+  d.mean /= static_cast<double>(values.size());
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
+  std::nth_element(values.begin(), at, values.end());
+  d.p99 = *at;
+  d.max = *std::max_element(at, values.end());
+  return d;
+}
+
+}  // namespace
+
+std::vector<Violation> judge_real_time(const Matching& matching,
+                                       const Specification& specification) {
+  std::vector<Violation> found;
+  find_fresh(matching, found);
+  find_order(matching, found);
+  if (specification.empty() == Answer::exact) find_witness(matching, found);
+  if (specification.claims().bounded && specification.full() == Answer::exact) {
+    if (auto full = find_full(matching, specification.capacity())) found.push_back(*full);
+  }
+  return found;
 }
 
 Relaxation measure_relaxation(const Matching& matching) {

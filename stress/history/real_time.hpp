@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "stress/history/matching.hpp"
+#include "stress/history/specification.hpp"
 
 namespace irt::stress {
 
@@ -17,11 +18,12 @@ namespace irt::stress {
 /// and Vafeiadis, "Aspect-oriented linearizability proofs" (2013), found by sweeps over the merged
 /// logs in O(n log n). With the exactly-once check of `Matching` the verdict is complete: a history
 /// passes both if and only if it is linearizable (for runs that were drained).
-std::vector<Violation> judge_real_time(const Matching& matching);
-
-/// A *full* is illegal when at every moment of its interval fewer than `capacity` elements can
-/// have been inside. Necessary, not sufficient: it never accuses wrongly, it may miss.
-std::optional<Violation> judge_full_real_time(const Matching& matching, std::size_t capacity);
+///
+/// *witness* only where *empty* is exact by the specification. Where *full* is, of a bounded queue:
+/// illegal when at every moment of its interval fewer than the capacity can have been inside.
+/// Necessary, not sufficient: it never accuses wrongly, it may miss.
+std::vector<Violation> judge_real_time(const Matching& matching,
+                                       const Specification& specification);
 
 /// Distances over all popped elements; a distance counts only what the clock proves.
 struct Distances {

@@ -82,7 +82,8 @@ std::string print(const History& h) {
 }
 
 bool real_time_accuses(const Matching& matching) {
-  return !judge_real_time(matching).empty() ||
+  static const Specification fifo({.ordering = Ordering::fifo_real_time}, 0);
+  return !judge_real_time(matching, fifo).empty() ||
          std::any_of(matching.violations().begin(), matching.violations().end(),
                      [](const Violation& v) { return v.pattern != Pattern::lost; });
 }
@@ -143,8 +144,10 @@ TEST(CrossCheck, HappensBeforeNeverAccusesWhatBruteForceAccepts) {
     const bool once = std::none_of(matching.violations().begin(), matching.violations().end(),
                                    [](const Violation& v) { return v.pattern != Pattern::lost; });
     const HappensBefore order(matching);
+    const Specification fifo({.ordering = Ordering::fifo_happens_before}, 0);
     const bool accused = !once || order.cycle().has_value() ||
-                         order.judge_order(false).has_value() || order.judge_empties().refuted > 0;
+                         order.judge_order(false).has_value() ||
+                         order.judge_empties(fifo).first.has_value();
     const auto before = happens_before(h);
     const bool right =
         linearizable(flat(h), [&](std::size_t a, std::size_t b) -> bool { return before[a][b]; });
