@@ -35,6 +35,8 @@
 #include <initializer_list>
 #include <iterator>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -210,7 +212,17 @@ struct QueueEntry {
                                                                   std::size_t capacity);
 };
 
-/// The entry of `Q` under `name`.
+/// Throws std::invalid_argument, with one line for the user, where `Q` may not be made for so many.
+template <class Q>
+void require_workers(unsigned workers) {
+  if (Q::claims.allows_workers(workers)) return;
+  throw std::invalid_argument("this queue (" + std::string(Q::summary) + ") is for at most " +
+                              std::to_string(Q::claims.max_workers) + " workers, and " +
+                              std::to_string(workers) + " were asked for; use fewer threads");
+}
+
+/// The entry of `Q` under `name`. Its factories throw std::invalid_argument for more workers than
+/// the queue claims to be for.
 template <template <class> class Q>
 constexpr QueueEntry queue_entry(std::string_view name) {
   static_assert(WorkQueue<Q>,
@@ -222,10 +234,12 @@ constexpr QueueEntry queue_entry(std::string_view name) {
       .claims = Q<void*>::claims,
       .make_task_queue = [](unsigned workers,
                             std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<void*>> {
+        require_workers<Q<void*>>(workers);
         return std::make_unique<WorkQueueFace<void*, Q<void*>>>(workers, capacity);
       },
       .make_word_queue = [](unsigned workers,
                             std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
+        require_workers<Q<std::uint64_t>>(workers);
         return std::make_unique<WorkQueueFace<std::uint64_t, Q<std::uint64_t>>>(workers, capacity);
       },
   };

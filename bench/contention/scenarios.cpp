@@ -117,6 +117,8 @@ std::string obstacle(const Cast& cast, const Claims& claims) {
   const bool own =
       claims.producers == Callers::own_worker || claims.consumers == Callers::own_worker;
   if (own && !cast.together()) return "a worker pops only what it pushed itself";
+  if (!claims.allows_workers(cast.threads))
+    return fmt::format("it is for at most {} workers", claims.max_workers);
   if (claims.producers == Callers::one && cast.producers > 1) return "it allows one producer";
   if (claims.consumers == Callers::one && cast.consumers > 1) return "it allows one consumer";
   return {};

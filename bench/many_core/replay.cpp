@@ -114,6 +114,11 @@ void Player::make() {
                              " lets one thread push or pop at a time; it is replayed with one "
                              "thread only");
   }
+  if (!entry.claims.allows_workers(options_.threads)) {
+    throw std::runtime_error("the queue " + std::string(entry.name) + " is for at most " +
+                             std::to_string(entry.claims.max_workers) +
+                             " workers; replay it with fewer threads");
+  }
   const ReplayPlan plan{
       .host = this,
       .queue = entry.make_task_queue(options_.threads, options_.capacity).release(),

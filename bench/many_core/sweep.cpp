@@ -226,6 +226,8 @@ std::string obstacle(const Point& point) {
   if (point.scenario == Scenario::primitive || point.threads == 1) return {};
   const virtual_cores::Module module(point.module);
   const Claims& claims = module.function<const QueueEntry*()>("irt_queue_entry")()->claims;
+  if (!claims.allows_workers(point.threads))
+    return "the queue is for at most " + std::to_string(claims.max_workers) + " workers";
   if (claims.consumers == Callers::own_worker && point.scenario == Scenario::sides)
     return "what a worker pushes only that worker can pop";
   const bool several = point.scenario != Scenario::sides;

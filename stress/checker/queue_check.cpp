@@ -187,6 +187,7 @@ class QueueCheck {
     options.search = kind;
     options.seed = seed;
     options.seconds = std::max(seconds, 0.01);
+    if (!entry_.claims.survives_no_memory) options.limits.failing_allocations = 0;
     if (!settings_.quiet)
       options.progress = [&](const SearchProgress& now) { say(shape.shape, shape.search, now); };
     const Result before =

@@ -169,6 +169,7 @@ std::size_t most_held(const Shape& shape) {
 }
 
 bool allows(const Claims& claims, const Shape& shape) {
+  if (!claims.allows_workers(static_cast<unsigned>(shape.threads.size()))) return false;
   // Whether all that `first` does of a role happens before what `second` does of it.
   const auto handed_over = [&shape](std::string_view letters, const std::string& first,
                                     const std::string& second) {

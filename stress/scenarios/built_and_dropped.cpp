@@ -10,16 +10,19 @@ namespace {
 void use_one(irt::stress::Core& core) {
   constexpr std::size_t capacity = 8;
   const auto queue = core.another_queue(1, capacity);
-  const std::uint64_t pushed = core.random(capacity + 1);
-  for (std::uint64_t i = 0; i < pushed; ++i) {
-    if (!queue->push(0, i)) core.complain("a new queue answered full below its capacity");
+  std::vector<irt::stress::Element> inside;
+  std::uint64_t sequence = 0;
+  for (std::uint64_t left = core.random(capacity + 1); left > 0; --left, ++sequence) {
+    inside.push_back(next_element(core.self().claims, 0, sequence));
+    if (!queue->push(0, inside.back()))
+      core.complain("a new queue answered full below its capacity");
   }
-  std::vector<bool> seen(pushed, false);
-  for (std::uint64_t left = core.random(pushed + 1); left > 0; --left) {
+  for (std::uint64_t left = core.random(inside.size() + 1); left > 0; --left) {
     irt::stress::Element e = 0;
     if (!queue->pop(0, e)) core.complain("a private queue answered empty with elements inside");
-    if (e >= pushed || seen[e]) core.complain("a private queue returned a wrong element");
-    seen[e] = true;
+    const auto found = std::find(inside.begin(), inside.end(), e);
+    if (found == inside.end()) core.complain("a private queue returned a wrong element");
+    inside.erase(found);
   }
 }
 

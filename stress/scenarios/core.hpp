@@ -28,6 +28,12 @@ class Complaint : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The next element of `worker` from its `sequence`-th on that a queue with these claims takes.
+inline Element next_element(const Claims& claims, unsigned worker, std::uint64_t& sequence) {
+  while (!claims.allows(element(worker, sequence))) ++sequence;
+  return element(worker, sequence);
+}
+
 /// No element of any run.
 inline constexpr Element no_element = ~Element{0};
 
@@ -76,6 +82,7 @@ struct WorkerState {
   bool pushes = true;            ///< may call `push`
   bool pops = true;              ///< may call `pop`
   std::size_t capacity = 0;      ///< what the queue was built with
+  Claims claims{};               ///< of the queue: which words may be elements
   std::uint64_t random = 1;      ///< state of the random numbers; any value
   std::uint64_t operations = 0;  ///< how many `Core::more` grants to each thread
   std::uint64_t next_sequence = 0;
@@ -107,7 +114,7 @@ class Core {
   /// Pushes this worker's next element and records it. False for *full*; the next push then offers
   /// the same element.
   bool push() {
-    const Element e = element(state_.worker, state_.next_sequence);
+    const Element e = next_element(state_.claims, state_.worker, state_.next_sequence);
     if (left_ > 0) --left_;
     if (state_.payloads != nullptr) state_.payloads->write(e);
     const Stamp invoked = enter(Kind::push);

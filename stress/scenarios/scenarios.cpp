@@ -48,9 +48,17 @@ Cast cast_for(const Scenario& scenario, const Claims& claims) {
       claims.producers == Callers::own_worker || claims.consumers == Callers::own_worker;
   const unsigned pushers = claims.producers == Callers::one ? 1 : scenario.pushers;
   const unsigned poppers = claims.consumers == Callers::one ? 1 : scenario.poppers;
-  if (!scenario.together && !own) return {pushers + poppers, pushers, poppers};
-  const unsigned workers =
-      own ? std::max({2U, scenario.pushers, scenario.poppers}) : std::min(pushers, poppers);
+  const unsigned most = claims.max_workers == 0 ? ~0U : claims.max_workers;
+  if (!scenario.together && !own && most > 1) {
+    // Who is one too many leaves the larger side.
+    Cast cast{0, pushers, poppers};
+    while (cast.pushers + cast.poppers > most)
+      --(cast.pushers > cast.poppers ? cast.pushers : cast.poppers);
+    cast.workers = cast.pushers + cast.poppers;
+    return cast;
+  }
+  const unsigned workers = std::min(
+      most, own ? std::max({2U, scenario.pushers, scenario.poppers}) : std::min(pushers, poppers));
   return {workers, workers, workers};
 }
 

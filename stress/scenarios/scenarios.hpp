@@ -36,7 +36,7 @@ struct Cast {
 };
 
 /// The largest cast of `scenario` that `claims` allow. A queue for one producer gets one; a queue
-/// per worker gets workers that do both.
+/// per worker, or for one worker alone, gets workers that do both.
 Cast cast_for(const Scenario& scenario, const Claims& claims);
 
 /// All scenarios for queues whose `pop` answers *empty*.

@@ -31,20 +31,27 @@ enum class Reply : std::uint8_t { yes, no, no_memory };
 /// One run with the k-th allocation failing. Nothing here allocates but the queue.
 class FaultRun {
  public:
-  FaultRun(const Assignment& assignment, Slot& slot) : assignment_(assignment), slot_(slot) {}
+  FaultRun(const Assignment& assignment, Slot& slot)
+      : assignment_(assignment),
+        slot_(slot),
+        cast_(cast_for(
+            {.name = "faults", .summary = "", .pushers = 2, .poppers = 2, .together = true},
+            assignment.queue.claims)) {
+    std::uint64_t sequence = 0;
+    for (std::size_t i = 0; i < elements; ++i, ++sequence)
+      words_[i] =
+          next_element(assignment.queue.claims, static_cast<unsigned>(i % cast_.workers), sequence);
+  }
 
   /// The broken promise, or null.
   const char* run(std::uint64_t k) {
     fates_.fill(Fate::unknown);
     due_ = 0;
-    const Cast cast =
-        cast_for({.name = "faults", .summary = "", .pushers = 2, .poppers = 2, .together = true},
-                 assignment_.queue.claims);
     const FailingAllocation failing(k);
     const char* broken = nullptr;
     try {
-      const auto queue = assignment_.queue.make_word_queue(cast.workers, capacity);
-      broken = use(*queue, cast.workers);
+      const auto queue = assignment_.queue.make_word_queue(cast_.workers, capacity);
+      broken = use(*queue, cast_.workers);
     } catch (const std::bad_alloc&) {
       // The constructor threw: there is no queue, nothing was accepted.
     }
@@ -63,7 +70,7 @@ class FaultRun {
     for (int wave = 0; wave < 3; ++wave) {
       for (std::uint64_t i = 0; i < elements / 3; ++i, ++next) {
         const auto worker = static_cast<unsigned>(next % workers);
-        const auto push = [&] { return queue.push(worker, element(worker, next)); };
+        const auto push = [&] { return queue.push(worker, words_[next]); };
         fates_[next] = call(Doing::push, push) == Reply::yes ? Fate::accepted : Fate::refused;
         if (fates_[next] == Fate::accepted) ++due_;
         if (i % 4 == 3) {
@@ -101,8 +108,9 @@ class FaultRun {
     if (assignment_.pop_waits && due_ == 0) return nullptr;
     Element e = 0;
     if (call(Doing::pop, [&] { return queue.pop(worker, e); }) != Reply::yes) return nullptr;
-    const std::uint64_t i = sequence_of(e);
-    if (i >= elements || fates_[i] == Fate::unknown) return "pops only what was pushed";
+    const auto i =
+        static_cast<std::size_t>(std::find(words_.begin(), words_.end(), e) - words_.begin());
+    if (i == elements || fates_[i] == Fate::unknown) return "pops only what was pushed";
     if (fates_[i] == Fate::refused) return "refuses an element entirely when an allocation fails";
     if (fates_[i] == Fate::popped) return "every element leaves once when an allocation fails";
     fates_[i] = Fate::popped;
@@ -112,6 +120,8 @@ class FaultRun {
 
   const Assignment& assignment_;
   Slot& slot_;
+  Cast cast_;
+  std::array<Element, elements> words_{};
   std::array<Fate, elements> fates_{};
   std::uint64_t due_ = 0;  ///< accepted and not popped
   std::uint64_t allocations_ = 0;
@@ -120,6 +130,10 @@ class FaultRun {
 }  // namespace
 
 void run_faults(const Assignment& assignment, Messenger& messenger) {
+  if (!assignment.queue.claims.survives_no_memory) {
+    messenger.note("claims nothing of allocations that fail: none was made to");
+    return;
+  }
   install_signals();
   std::vector<Slot> slots(1);
   const Watchdog watchdog(slots, hang_patience(), messenger);

@@ -49,12 +49,15 @@ class Churn {
                                         std::chrono::duration<double>(assignment_.seconds));
     const bool alone = cast_.pushes(worker) && cast_.pops(worker);
     std::int64_t own_inside = 0;
+    std::uint64_t sequence = 0;
     for (std::uint64_t i = 0; i % 256 != 0 || Clock::now() < end; ++i) {
       if (cast_.pushes(worker)) {
         const std::int64_t inside = alone ? own_inside
                                           : pushed_.load(std::memory_order_relaxed) -
                                                 popped_.load(std::memory_order_relaxed);
-        if (inside < most_inside && queue.push(worker, element(worker, i))) {
+        if (inside < most_inside &&
+            queue.push(worker, next_element(assignment_.queue.claims, worker, sequence))) {
+          ++sequence;
           ++own_inside;
           const std::int64_t pushed = pushed_.fetch_add(1, std::memory_order_relaxed) + 1;
           if (worker == 0) sample(pushed);

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "stress/history/specification.hpp"
 #include "stress/threads/kernel_view.hpp"
 #include "stress/threads/signals.hpp"
 #include "stress/threads/standing.hpp"
@@ -102,7 +103,8 @@ class ProgressRun {
     slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
     slot.doing.store(method, std::memory_order_relaxed);
     if (method == Doing::push) {
-      moved = queue_->push(worker, element(worker, sequences_[worker]));
+      moved =
+          queue_->push(worker, next_element(assignment_.queue.claims, worker, sequences_[worker]));
       if (moved) {
         ++sequences_[worker];
         inside_.fetch_add(1, std::memory_order_relaxed);
@@ -305,9 +307,9 @@ void tell(const Assignment& assignment, Doing method, const Verdicts& verdicts,
         "runtime's lock, not judged",
         name(method), verdict.guarded));
   }
-  // A wrong *empty* or *full* breaks a claim where the order of the queue makes it wrong.
-  const bool fifo = claims.ordering == Ordering::fifo_happens_before ||
-                    claims.ordering == Ordering::fifo_real_time;
+  const Specification specification(claims, capacity);
+  const bool goes_past = method == Doing::push ? specification.pushes_past_stopped()
+                                               : specification.pops_past_stopped();
   if (!stops && verdict.passed == 0) {
     messenger.limit(fmt::format(
         "{}: no call of it met a thread that was stopped in the queue's own code: no verdict",
@@ -318,14 +320,14 @@ void tell(const Assignment& assignment, Doing method, const Verdicts& verdicts,
                                claimed == Progress::blocking ? " (claimed: blocking)" : ""));
   } else if (claimed == Progress::blocking) {
     messenger.note(fmt::format("{}: blocking, as claimed", name(method)));
-  } else if (verdict.blocked > 0 || fifo) {
+  } else if (verdict.blocked > 0 || goes_past) {
     messenger.finding(
         {.claim = fmt::format("{} goes on when another thread is stopped", name(method)),
          .evidence = evidence(method, verdict),
          .repeat = assignment.repeat});
   } else {
     messenger.note(fmt::format(
-        "{}: answered {} because of a stopped thread in {} of {} suspensions; its order allows it",
+        "{}: answered {} because of a stopped thread in {} of {} suspensions; it claims no more",
         name(method), method == Doing::push ? "full" : "empty", verdict.misled,
         verdict.misled + verdict.passed));
   }
@@ -338,6 +340,10 @@ void run_progress(const Assignment& assignment, Messenger& messenger) {
   const Claims& claims = assignment.queue.claims;
   if (claims.consumers == Callers::own_worker) {
     messenger.note("each worker has a queue of its own: nobody can stop another");
+    return;
+  }
+  if (claims.max_workers == 1) {
+    messenger.note("for one worker: there is nobody to be stopped");
     return;
   }
   // Threads inherit it: the naps around a suspension last as long as they say.

@@ -171,6 +171,7 @@ class ScenarioRunner {
                .pushes = cast_.pushes(worker),
                .pops = cast_.pops(worker),
                .capacity = capacity_,
+               .claims = assignment_.queue.claims,
                .random = mix_seed(seed, worker),
                .operations = operations,
                .log = {},
