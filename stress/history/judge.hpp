@@ -18,18 +18,20 @@ struct Verdict {
   std::uint64_t pops = 0;
   std::uint64_t empties = 0;
   std::uint64_t fulls = 0;
-  /// Empties that happens-before refutes. A finding for FIFO claims, a figure for the others.
+  /// Empties that happens-before refutes: a finding unless the claims let calls in flight, or others'
+  /// finds, excuse them.
   std::uint64_t refuted_empties = 0;
   std::optional<Relaxation> relaxation;  ///< for queues that claim no FIFO over all elements
 };
 
-/// Judges `history`, made on a queue built with `capacity`, by `claims`:
+/// Judges `history`, made on a queue built with `capacity`, by what `claims` mean
+/// (specification.hpp):
 ///
-///     every queue          exactly once; the drain leaves nothing behind; *full* never without
-///                          a bound, and while no pop is under way only if it can have been
+///     every queue          exactly once; the drain leaves nothing behind; *full* never without a
+///                          bound; *empty* and *full* by happens-before
 ///     per_producer_fifo    order within a producer, by happens-before
 ///     k_relaxed_fifo       no pop passes more than k older elements, in real time
-///     fifo_happens_before  order, empty and full by happens-before
+///     fifo_happens_before  order by happens-before
 ///     fifo_real_time       linearizable in real time, exact empty and full; implies the above
 ///
 /// Where each worker has a queue of its own (`Callers::own_worker`), each is judged alone; the

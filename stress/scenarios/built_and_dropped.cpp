@@ -13,7 +13,7 @@ void use_one(irt::stress::Core& core) {
   std::vector<irt::stress::Element> inside;
   std::uint64_t sequence = 0;
   for (std::uint64_t left = core.random(capacity + 1); left > 0; --left, ++sequence) {
-    inside.push_back(next_element(core.self().claims, 0, sequence));
+    inside.push_back(irt::stress::next_element(core.self().claims, 0, sequence));
     if (!queue->push(0, inside.back()))
       core.complain("a new queue answered full below its capacity");
   }
