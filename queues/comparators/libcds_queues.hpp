@@ -114,7 +114,8 @@ struct SegmentTraits : cds::container::segmented_queue::traits {
 inline constexpr Claims lock_free_fifo{.ordering = Ordering::fifo_happens_before,
                                        .push = Progress::lock_free,
                                        .pop = Progress::lock_free,
-                                       .reclamation = Reclamation::hazard_pointers};
+                                       .reclamation = Reclamation::hazard_pointers,
+                                       .survives_no_memory = false};
 
 }  // namespace libcds
 
@@ -196,7 +197,8 @@ class LibcdsSegmentedQueue
   static constexpr std::string_view summary = "libcds SegmentedQueue, segments of 16";
   static constexpr Claims claims{.ordering = Ordering::k_relaxed_fifo,
                                  .relaxation = places_of_a_segment - 1,
-                                 .reclamation = Reclamation::hazard_pointers};
+                                 .reclamation = Reclamation::hazard_pointers,
+                                 .survives_no_memory = false};
   LibcdsSegmentedQueue(unsigned /*workers*/, std::size_t /*capacity*/)
       : LibcdsSegmentedQueue::Adapter(places_of_a_segment) {}
 };

@@ -41,7 +41,8 @@ class UrcuLfQueue {
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
-                                 .reclamation = Reclamation::epochs};
+                                 .reclamation = Reclamation::epochs,
+                                 .survives_no_memory = false};
 
   UrcuLfQueue(unsigned /*workers*/, std::size_t /*capacity*/) {
     cds_lfq_init_rcu(&queue_, urcu_memb_call_rcu);

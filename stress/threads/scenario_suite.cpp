@@ -186,9 +186,9 @@ class ScenarioRunner {
     const bool own = assignment_.queue.claims.consumers == Callers::own_worker;
     Slot& slot = slots_.back();
     slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
-    for (std::uint64_t i = 0; i < age_; ++i) {
+    for (std::uint64_t i = 0, sequence = 0; i < age_; ++i, ++sequence) {
       const auto pusher = static_cast<unsigned>(i % cast_.pushers);
-      const Element pushed = element(pusher, i);
+      const Element pushed = next_element(assignment_.queue.claims, pusher, sequence);
       slot.doing.store(Doing::push, std::memory_order_relaxed);
       const bool accepted = queue.push(pusher, pushed);
       slot.doing.store(Doing::pop, std::memory_order_relaxed);

@@ -157,7 +157,7 @@ class Life {
 
   bool push(unsigned worker, Slot& slot) {
     Account& account = accounts_[worker];
-    const Element e = element(worker, account.next);
+    const Element e = next_element(claims_, worker, account.next);
     enter(slot, Doing::push);
     const bool accepted = queue_->push(worker, e);
     leave(slot);
