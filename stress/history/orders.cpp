@@ -164,10 +164,10 @@ class Search {
   Search(const Calls& calls, const Specification& specification, std::size_t most_states)
       : calls_(calls), specification_(specification), most_states_(most_states) {}
 
-  /// Whether there is an order. `only`: of the answers that refuse, judge this one alone; none of
-  /// them if it is `nobody`, all of them if there is no such.
-  bool exists(std::optional<std::size_t> only = {}) {
-    only_ = only;
+  /// Whether there is an order in which the answers that refuse are true, as far as `judged` has
+  /// them.
+  bool exists(std::vector<bool> judged) {
+    judged_ = std::move(judged);
     seen_.clear();
     held_.clear();
     done_.assign((calls_.end() - calls_.begin() + 63) / 64, 0);
@@ -223,7 +223,7 @@ class Search {
   bool apply(std::size_t number) {
     const Call& call = calls_.all()[number];
     if (call.no_effect) return true;
-    const bool judged = !only_ || *only_ == number;
+    const bool judged = judged_[number];
     switch (call.kind) {
       case Kind::push:
         // Where any may leave, states that hold the same are the same.
@@ -260,7 +260,7 @@ class Search {
   const Calls& calls_;
   const Specification& specification_;
   std::size_t most_states_;
-  std::optional<std::size_t> only_;
+  std::vector<bool> judged_;
   std::vector<Element> held_;
   std::vector<std::uint64_t> done_;
   std::size_t left_ = 0;
@@ -280,14 +280,37 @@ Judgement judge_orders(const Calls& calls, const Fates& fates, const Specificati
   }
   if (specification.overtakes() == any_number && exact.empty()) return {};
   Search search(calls, specification, most_states);
-  if (search.exists()) return {std::nullopt, search.decided()};
+  const auto true_at_once = [&](auto judged) {
+    std::vector<bool> some(calls.all().size(), false);
+    for (const std::size_t answer : exact) some[answer] = judged(answer);
+    return search.exists(std::move(some));
+  };
+  const auto of_kind = [&](Kind kind) {
+    return true_at_once([&](std::size_t i) { return calls.all()[i].kind == kind; });
+  };
+  // Happens-before alone gives *full* and *empty* no common moment: see specification.hpp.
+  const bool apart = specification.claims().ordering == Ordering::fifo_happens_before &&
+                     std::any_of(exact.begin(), exact.end(), [&calls](std::size_t i) {
+                       return calls.all()[i].kind == Kind::full;
+                     });
+  const auto pairs_are_right = [&] {
+    for (const std::size_t a : exact)
+      for (const std::size_t b : exact)
+        if (calls.precedes(a, b) && calls.all()[a].kind != calls.all()[b].kind &&
+            !true_at_once([a, b](std::size_t i) { return i == a || i == b; }))
+          return false;
+    return true;
+  };
+  const bool right = apart ? of_kind(Kind::full) && of_kind(Kind::empty) && pairs_are_right()
+                           : true_at_once([](std::size_t) { return true; });
+  if (right) return {std::nullopt, search.decided()};
   // Which answer is it?
-  if (!search.exists(nobody)) {
+  if (!true_at_once([](std::size_t) { return false; })) {
     auto pair = specification.fifo() ? judge_pairs(calls, fates, false) : std::nullopt;
     return {pair ? pair : Breach{specification.fifo() ? Pattern::order : Pattern::rank, {}}};
   }
   for (const std::size_t answer : exact) {
-    if (search.exists(answer)) continue;
+    if (true_at_once([answer](std::size_t i) { return i == answer; })) continue;
     Breach breach{Pattern::full, {answer}};
     if (calls.all()[answer].kind == Kind::empty) {
       breach.pattern = Pattern::witness;

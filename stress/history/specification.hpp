@@ -12,6 +12,12 @@
 /// | `fifo_happens_before`, `fifo_real_time` | exact | exact | passes no older element |
 /// | `.empty`, `.full` | as claimed | as claimed | |
 ///
+/// By happens-before alone there is one order in which all *full* are true, one in which all
+/// *empty* are, and for each *full* and *empty* of which one happens before the other one in which
+/// these two are. One for all would be too much: a producer that does not see a pop yet and a
+/// consumer that does not see a push yet are both right, as loads and stores that acquire and
+/// release are (store buffering). In real time one order makes all of them true.
+///
 /// Whatever the claims: an element leaves once, after its push was called and not before; what was
 /// accepted comes out; an unbounded queue is never full; where each worker has a queue of its own,
 /// all of this holds for each by itself.

@@ -81,6 +81,24 @@ TEST(Orders, TwoAnswersThatCannotBothBeTrueAreAccusedOfExactQueuesOnly) {
   EXPECT_EQ(breach(reserved, ring, 1), std::nullopt);
 }
 
+// A ring of three places whose producer reads the head before a pop moves it, and whose consumer
+// reads the tail as it was before both pushes: acquire and release allow both.
+TEST(Orders, FullAndEmptyNeedNoCommonMomentByHappensBeforeAlone) {
+  const std::vector<Call> calls{{Kind::push, 0, 1}, {Kind::pop, 1, 1},  {Kind::empty, 1, 0},
+                                {Kind::push, 0, 2}, {Kind::push, 0, 3}, {Kind::full, 0, 4},
+                                {Kind::pop, 1, 2},  {Kind::pop, 1, 3},  {Kind::empty, 1, 0}};
+  const auto each_in_its_order = [&](std::size_t a, std::size_t b) {
+    return a == 0 || calls[a].worker == calls[b].worker;
+  };
+  const Calls late = ordered(calls, 3, each_in_its_order);
+  Claims ring{.ordering = Ordering::fifo_happens_before, .bounded = true};
+  EXPECT_EQ(breach(late, ring, 3), std::nullopt);
+  EXPECT_EQ(breach(late, ring, 4), Pattern::full) << "never were there four";
+  EXPECT_TRUE(breach(ordered(calls, 3, always), ring, 3)) << "one after the other";
+  ring.ordering = Ordering::fifo_real_time;
+  EXPECT_TRUE(breach(late, ring, 3));
+}
+
 TEST(Orders, OwnQueuesAreJudgedEachByItself) {
   Claims own{.ordering = Ordering::fifo_happens_before,
              .producers = Callers::own_worker,
@@ -143,14 +161,26 @@ class Literal {
     if (claims_.ordering == Ordering::per_producer_fifo)
       for (unsigned producer = 0; producer < 8; ++producer)
         if (!some_order(
-                0, [&](const Call& c) { return owner(c.value) == producer; }, false))
+                0, [&](const Call& c) { return owner(c.value) == producer; },
+                [](std::size_t) { return false; }))
           return false;
     std::uint64_t passes = 0;
     if (claims_.ordering == Ordering::k_relaxed_fifo) passes = claims_.relaxation;
     if (claims_.ordering == Ordering::unordered || claims_.ordering == Ordering::per_producer_fifo)
       passes = 1000;
-    return some_order(
-        passes, [](const Call&) { return true; }, true);
+    const auto true_at_once = [&](const std::function<bool(std::size_t)>& answers) {
+      return some_order(
+          passes, [](const Call&) { return true; }, answers);
+    };
+    if (claims_.ordering != Ordering::fifo_happens_before)
+      return true_at_once([](std::size_t) { return true; });
+    for (const Kind kind : {Kind::full, Kind::empty})
+      if (!true_at_once([&](std::size_t i) { return all_[i].kind == kind; })) return false;
+    for (std::size_t a = 0; a < all_.size(); ++a)
+      for (std::size_t b = 0; b < all_.size(); ++b)
+        if (calls_.precedes(a, b) && !true_at_once([&](std::size_t i) { return i == a || i == b; }))
+          return false;
+    return true;
   }
 
  private:
@@ -234,7 +264,7 @@ class Literal {
 
   // Every permutation, without memory.
   bool some_order(std::uint64_t passes, const std::function<bool(const Call&)>& counts,
-                  bool answers) const {
+                  const std::function<bool(std::size_t)>& answers) const {
     std::vector<bool> done(all_.size(), false);
     std::vector<Element> held;
     const std::function<bool(std::size_t)> go = [&](std::size_t left) {
@@ -253,9 +283,9 @@ class Literal {
           allowed = at != held.end() && std::uint64_t(at - held.begin()) <= passes;
           if (allowed) held.erase(at);
         }
-        if (answers && c.kind == Kind::full && full() == Answer::exact)
+        if (c.kind == Kind::full && answers(i) && full() == Answer::exact)
           allowed = held.size() >= capacity_;
-        if (answers && c.kind == Kind::empty && empty() == Answer::exact) allowed = held.empty();
+        if (c.kind == Kind::empty && answers(i) && empty() == Answer::exact) allowed = held.empty();
         if (allowed) {
           done[i] = true;
           if (go(left - 1)) return true;
