@@ -260,7 +260,7 @@ void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) 
 // Outside of the threads' time everything happens before or after everything else, so that a read
 // finds what memory holds and nothing needs an event.
 void Execution::step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc) {
-  if (!observed()) return;
+  if (!observed()) return note_unwatched();
   check_touch(address, size, writes, true, pc);
   if (phase_ != Phase::endless && walk_ <= long_walk) return;
   if (writes && address >> 63U == 0) alone_.note_write(address, size);
@@ -500,7 +500,7 @@ std::uint64_t Execution::tick() {
 }
 
 std::int64_t Execution::now() {
-  return observed() ? ++me().clock_reads * 1000 : 0;
+  return phase_ != Phase::idle ? ++me().clock_reads * 1000 : 0;
 }
 
 std::uint64_t Execution::random() {

@@ -138,9 +138,11 @@ Result check(const Scenario& scenario, const Options& options) {
   {
     Execution execution(scenario, options.limits);
     execution.weaken(options.weakened);
+    execution.know(options.known);
     if (options.watch_orders) execution.watch_orders();
     result = explore(options, execution);
     result.order_sites = execution.order_sites();
+    result.allocates = execution.allocates();
   }
   if (scenario.histories) result.histories = scenario.histories();
   if (result.finding && repeat(scenario, options, result.schedule) == nullptr &&
@@ -155,6 +157,7 @@ std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& optio
                                   const Schedule& schedule) {
   auto execution = std::make_unique<Execution>(scenario, options.limits);
   execution->weaken(options.weakened);
+  execution->know(options.known);
   for (;;) {
     Replay replay(schedule);
     replay.begin();

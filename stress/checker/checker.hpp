@@ -48,6 +48,8 @@ struct Options {
   unsigned shards = 1;
   /// Orders to weaken in the code, see Execution::weaken.
   std::vector<std::pair<Execution::OrderSite, Order>> weakened{};
+  /// Findings to pass over, see Execution::know.
+  std::vector<Finding> known{};
   bool watch_orders = false;  ///< fills Result::order_sites
   /// Called after each execution that ran to its end.
   std::function<void(const Execution&)> each{};
@@ -67,6 +69,7 @@ struct Result {
   std::uint64_t blocked = 0;               ///< stopped at a wait that another execution ends
   std::uint64_t cut = 0;                   ///< given up as inconsistent
   std::size_t assumed_waits = 0;  ///< loops taken to wait although a counter of theirs changed
+  bool allocates = false;         ///< threads asked for memory
   double seconds = 0;
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds
   /// A limit that was reached, for which the search shows less than everything; else empty.

@@ -9,6 +9,16 @@ namespace irt::checker {
 
 using virtual_cores::host;
 
+namespace {
+
+// `work` must live as long as the core runs.
+void arm(virtual_cores::Cores& cores, unsigned core, const std::function<void()>& work) {
+  const auto enter = [](void* w) { (*static_cast<const std::function<void()>*>(w))(); };
+  cores.arm(core, enter, const_cast<std::function<void()>*>(&work));
+}
+
+}  // namespace
+
 Execution* Execution::running = nullptr;
 
 Execution::Execution(const Scenario& scenario, const Limits& limits)
@@ -32,7 +42,7 @@ Outcome Execution::run(Strategy& strategy) {
   finding_.reset();
   froze_ = false;
   stores_ = walk_ = 0;
-  failed_allocations_ = 0;
+  failed_at_.clear();
   outcome_ = Outcome::complete;
   for (ThreadState& state : states_) {
     std::vector<Visit> visits = std::move(state.visits);
@@ -42,21 +52,17 @@ Outcome Execution::run(Strategy& strategy) {
   }
   if (scenario_.module != nullptr) scenario_.module->reset_globals();
 
-  const auto enter = [](void* work) { (*static_cast<const std::function<void()>*>(work))(); };
-  const auto arm = [&](unsigned core, const std::function<void()>& work) {
-    cores_.arm(core, enter, const_cast<std::function<void()>*>(&work));
-  };
-  if (scenario_.prepare) {
+  if (scenario_.age != 0) begin_aged();
+  if (outcome_ == Outcome::complete && scenario_.prepare) {
     phase_ = Phase::prepare;
-    arm(main_, scenario_.prepare);
-    cores_.run(main_);
+    run_main(scenario_.prepare);
   }
   if (outcome_ == Outcome::complete) {
     phase_ = Phase::parallel;
     graph_.tick(main_);
     for (unsigned thread = 0; thread < main_; ++thread) {
       graph_.order(main_, thread);
-      arm(thread, scenario_.threads[thread]);
+      arm(cores_, thread, scenario_.threads[thread]);
     }
     const unsigned first = strategy.choose_thread(*this, runnable(), host);
     if (first == host)
@@ -74,8 +80,7 @@ Outcome Execution::run(Strategy& strategy) {
     if (scenario_.finish) {
       phase_ = Phase::finish;
       walk_ = 0;
-      arm(main_, scenario_.finish);
-      cores_.run(main_);
+      run_main(scenario_.finish);
     }
   }
   phase_ = Phase::idle;
@@ -99,9 +104,18 @@ Outcome Execution::run(Strategy& strategy) {
   if (graph_.seq_cst_operations() > Graph::most_seq_cst && incomplete_.empty())
     incomplete_ =
         fmt::format("an execution makes more than {} seq_cst operations", Graph::most_seq_cst);
+  if (outcome_ == Outcome::found && knows(finding_->kind, finding_->places, finding_->text)) {
+    outcome_ = Outcome::cut;
+    if (incomplete_.empty()) incomplete_ = "some executions end in what is reported already";
+  }
   running = nullptr;
   strategy.end(*this, outcome_);
   return outcome_;
+}
+
+void Execution::run_main(const std::function<void()>& work) {
+  arm(cores_, main_, work);
+  cores_.run(main_);
 }
 
 // --- Who runs -------------------------------------------------------------------------------
@@ -121,6 +135,13 @@ void Execution::stop(Outcome outcome) {
   outcome_ = outcome;
   cores_.switch_to(host);
   std::abort();
+}
+
+bool Execution::knows(FindingKind kind, const std::vector<const void*>& places,
+                      std::string_view text) const {
+  return std::any_of(known_.begin(), known_.end(), [&](const Finding& known) {
+    return same_place(known, {kind, std::string(text), places});
+  });
 }
 
 void Execution::report(FindingKind kind, std::string text, std::vector<const void*> places,

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
+#include "stress/checker/ageing.hpp"
 #include "stress/checker/cycle_watch.hpp"
 #include "stress/checker/finding.hpp"
 #include "stress/checker/graph.hpp"
@@ -23,6 +25,13 @@ namespace irt::checker {
 /// needs destruction.
 struct Scenario {
   std::vector<std::function<void()>> threads;
+  /// So many calls of `grow_older`, numbered from 0, come before `prepare`: natively, and once for
+  /// all executions (see ageing.hpp). Scenarios with equal `aged_what` do the same there and may
+  /// share what came of it.
+  std::uint64_t age = 0;
+  std::function<void(std::uint64_t)> grow_older;
+  std::string aged_what;
+  std::shared_ptr<AgedMemory> aged;
   std::function<void()> prepare;  ///< before the threads; may be empty
   std::function<void()> finish;   ///< after all threads ended; may be empty
   /// After everything: what is wrong with the outcome, if anything. Runs outside of the cores.
@@ -113,6 +122,12 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] unsigned failed_allocations(unsigned thread) const {
     return states_[thread].failed_allocations;
   }
+  /// Where each allocation was made that has failed by choice in the last execution, and by whom.
+  [[nodiscard]] const std::vector<std::pair<unsigned, const void*>>& failed_at() const {
+    return failed_at_;
+  }
+  /// Whether threads have allocated memory in any execution so far.
+  [[nodiscard]] bool allocates() const { return allocates_; }
   /// The thread in progress. Valid while the scenario's functions run.
   [[nodiscard]] unsigned current() const { return cores_.current(); }
   /// Stops `thread` for good before event number `events` (from 0) of its own, in runs to come.
@@ -125,6 +140,10 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] std::optional<unsigned> stopped() const {
     return froze_ ? std::optional(frozen_->first) : std::nullopt;
   }
+  /// Executions that end in one of these are passed over from now on, races among them are no end.
+  void know(std::vector<Finding> findings) { known_ = std::move(findings); }
+  /// For scenarios as well: why nothing in this execution, or after it, can be a proof.
+  [[noreturn]] void give_up(std::string why);
   [[noreturn]] void report(FindingKind kind, std::string text, std::vector<const void*> places,
                            std::vector<Moment> moments = {});
   /// Where a thread waits that did not come to its end in the last run; none if it did, or if it
@@ -178,7 +197,7 @@ class Execution final : public virtual_cores::Tenant {
 
  private:
   /// `endless`: one thread of `parallel` runs on by itself, to see whether it ever ends.
-  enum class Phase : std::uint8_t { idle, prepare, parallel, endless, finish };
+  enum class Phase : std::uint8_t { idle, ageing, prepare, parallel, endless, finish };
 
   /// A load that a loop may come back to.
   struct Visit {
@@ -245,7 +264,13 @@ class Execution final : public virtual_cores::Tenant {
   template <class Decide, class NewValue>
   Value read_event(const Request& request, bool may_write, Decide decide, NewValue new_value);
 
+  void begin_aged();
+  void note_unwatched();
+  void* allocate_unwatched(std::size_t size, std::size_t alignment, const void* pc);
+  void run_main(const std::function<void()>& work);
   [[noreturn]] void stop(Outcome outcome);
+  [[nodiscard]] bool knows(FindingKind kind, const std::vector<const void*>& places,
+                           std::string_view text) const;
   void reach(std::uintptr_t address, bool writes);
   void wait_here(std::uint32_t location, const void* pc);
   void go_elsewhere();
@@ -270,7 +295,6 @@ class Execution final : public virtual_cores::Tenant {
     return address - stacks_[cores_.current()] < stack_bytes_;
   }
   void check_limit(const void* pc);
-  void give_up(std::string why);
   void look_alone(const void* pc);
   void check_walk(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                   const void* pc);
@@ -287,7 +311,7 @@ class Execution final : public virtual_cores::Tenant {
   bool watches_orders_ = false;
   Order order_at(const void* pc, bool failure, EventKind kind, Order order);
   ThreadState& me() { return states_[cores_.current()]; }
-  bool observed() const { return phase_ != Phase::idle; }
+  bool observed() const { return phase_ > Phase::ageing; }
   /// Before and after the threads, when there is no order to choose and memory holds every value.
   bool alone() const {
     return phase_ == Phase::prepare || phase_ == Phase::finish || phase_ == Phase::endless;
@@ -307,13 +331,15 @@ class Execution final : public virtual_cores::Tenant {
   std::vector<ThreadState> states_;
   std::vector<Step> steps_;
   std::optional<Finding> finding_;
+  std::vector<Finding> known_;
   std::uint64_t stores_ = 0;
   std::uint64_t walk_ = 0;  ///< accesses to memory since the last event, or since the phase began
   std::size_t assumed_waits_ = 0;
   std::string incomplete_;
   CycleWatch alone_;         ///< of the thread that runs alone
   std::uint64_t looks_ = 0;  ///< of that thread
-  unsigned failed_allocations_ = 0;
+  std::vector<std::pair<unsigned, const void*>> failed_at_;
+  bool allocates_ = false;
   std::vector<ReadOption> options_;
   std::vector<std::size_t> places_;
   std::optional<std::pair<unsigned, std::size_t>> frozen_;

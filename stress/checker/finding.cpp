@@ -34,4 +34,13 @@ std::string_view name_of(FindingKind kind) {
   return "?";
 }
 
+bool same_place(const Finding& a, const Finding& b) {
+  const auto without_numbers = [](std::string text) {
+    std::erase_if(text, [](char c) { return c >= '0' && c <= '9'; });
+    return text;
+  };
+  if (a.kind != b.kind || a.places != b.places) return false;
+  return !a.places.empty() || without_numbers(a.text) == without_numbers(b.text);
+}
+
 }  // namespace irt::checker

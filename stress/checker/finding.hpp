@@ -43,4 +43,8 @@ struct Finding {
   std::vector<Moment> moments{};  ///< for the columns of a report
 };
 
+/// Whether both are of one kind and at the same places in the code; without places, whether they
+/// say the same but for numbers.
+bool same_place(const Finding& a, const Finding& b);
+
 }  // namespace irt::checker

@@ -58,6 +58,9 @@ class Heap {
   /// What a thread may allocate in an execution, freed blocks and gaps between blocks included.
   static constexpr std::size_t region_bytes = std::size_t{64} << 20U;
 
+  /// Everything in it and about it, at one moment between executions.
+  struct Image;
+
   explicit Heap(unsigned threads);
   Heap(const Heap&) = delete;
   Heap& operator=(const Heap&) = delete;
@@ -65,6 +68,12 @@ class Heap {
 
   /// Forgets everything; memory keeps its contents, which count as uninitialised.
   void clear();
+
+  [[nodiscard]] Image image() const;
+  /// Puts back what `image` holds of a heap of as many threads; call `clear` before.
+  void restore(const Image& image);
+  /// From now on all that is not freed counts as written.
+  void settle();
 
   /// Null when the thread's region is full.
   void* allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc);
@@ -120,6 +129,14 @@ class Heap {
   std::unordered_map<std::uintptr_t, Cell> other_cells_;  ///< of globals, stacks, thread-locals
   std::vector<Touch> touches_;
   std::uint32_t generation_ = 1;
+};
+
+struct Heap::Image {
+  std::vector<Block> blocks;
+  std::vector<Region> regions;
+  std::uint32_t generation = 0;
+  std::vector<std::vector<char>> bytes;  ///< by region
+  std::vector<std::vector<Cell>> cells;  ///< likewise
 };
 
 }  // namespace irt::checker

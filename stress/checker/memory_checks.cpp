@@ -93,6 +93,7 @@ void Execution::check_race(const Cell& cell, const Touch& touch) {
         !(other.writes || touch.writes) || (other.atomic && touch.atomic) ||
         now.count[other.thread] >= other.moment)
       continue;
+    if (!known_.empty() && knows(FindingKind::data_race, {touch.pc, other.pc}, "")) continue;
     const auto name = [](const Touch& t) {
       return std::string(t.atomic ? "atomic " : "plain ") + verb(t.writes);
     };
@@ -145,7 +146,8 @@ void Execution::report_unusable(std::uintptr_t eight_bytes, bool writes, bool at
 }
 
 void Execution::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
-  if (!observed() || on_own_stack(address)) return;
+  if (!observed()) return note_unwatched();
+  if (on_own_stack(address)) return;
   check_touch(address, size, false, false, pc);
 }
 
@@ -165,13 +167,15 @@ void Execution::plain_write(std::uintptr_t address, std::size_t size, const void
 }
 
 void* Execution::allocate(std::size_t size, std::size_t alignment, const void* pc) {
+  if (phase_ == Phase::ageing) return allocate_unwatched(size, alignment, pc);
   if (!observed()) return Tenant::allocate(size, alignment, pc);
   if (phase_ == Phase::endless) conclude_alone(false, pc);
   alone_.begin();
   ++me().effects;
   const unsigned thread = cores_.current();
-  if (failed_allocations_ < limits_.failing_allocations && chosen(pc)) {
-    ++failed_allocations_;
+  allocates_ = allocates_ || phase_ == Phase::parallel;
+  if (failed_at_.size() < limits_.failing_allocations && chosen(pc)) {
+    failed_at_.emplace_back(thread, pc);
     ++me().failed_allocations;
     return nullptr;
   }

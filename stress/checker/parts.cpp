@@ -122,6 +122,7 @@ std::string to_bytes(const Result& r) {
   w.put_all(r.incomplete);
   for (const std::uint64_t count : {r.executions, r.complete, r.blocked, r.cut}) w.put(count);
   w.put(r.assumed_waits);
+  w.put(r.allocates);
   w.put(r.finished);
   w.put(r.explored);
   return std::move(w.bytes);
@@ -153,6 +154,7 @@ Result from_bytes(const std::string& bytes) {
   for (std::uint64_t* count : {&r.executions, &r.complete, &r.blocked, &r.cut})
     *count = in.take<std::uint64_t>();
   r.assumed_waits = in.take<std::size_t>();
+  r.allocates = in.take<bool>();
   r.finished = in.take<bool>();
   r.explored = in.take<double>();
   return r;
@@ -344,6 +346,7 @@ class Parts {
       sum.blocked += part.blocked;
       sum.cut += part.cut;
       sum.assumed_waits += part.assumed_waits;
+      sum.allocates = sum.allocates || part.allocates;
       sum.finished = sum.finished && part.finished;
       sum.explored += part.explored / static_cast<double>(parts_.size());
     }

@@ -17,24 +17,26 @@ constexpr std::uint64_t most_tries = 100'000;
 }  // namespace
 
 QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
-                         virtual_cores::Module* module, bool real_time)
+                         virtual_cores::Module* module, bool real_time,
+                         std::shared_ptr<AgedMemory> aged)
     : entry_(entry), shape_(std::move(shape)), capacity_(capacity), real_time_(real_time) {
   if (shape_.capacity != 0) capacity_ = shape_.capacity;
   if (capacity_ == 0)
     capacity_ = entry.claims.bounded ? std::max<std::size_t>(most_held(shape_), 1) : 1;
-
   const auto count = static_cast<unsigned>(shape_.threads.size());
   if (!entry.claims.allows_workers(count))
     throw std::invalid_argument("shape \"" + to_string(shape_) + "\": " + std::to_string(count) +
                                 " threads, and the queue claims to be made for at most " +
                                 std::to_string(entry.claims.max_workers));
   cast_roles();
+  age(shape_.age, std::move(aged));
   scenario_.module = module;
   scenario_.prepare = [this, count] {
     operations_.clear();
     phase_ = Operation::Phase::before;
     pushed_.assign(count + 1, 0);
-    queue_ = entry_.make_word_queue(count, capacity_).release();
+    queue_ = scenario_.age != 0 ? static_cast<AnyWorkQueue<std::uint64_t>*>(scenario_.aged->made)
+                                : entry_.make_word_queue(count, capacity_).release();
     run_letters(shape_.prologue, count);
     phase_ = Operation::Phase::during;
   };
@@ -58,10 +60,15 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
 }
 
 void QueueClient::cast_roles() {
+  // Of two who have a role one after the other, the first signals.
   const auto first_with = [this](std::string_view letters) -> std::optional<unsigned> {
-    for (unsigned thread = 0; thread < shape_.threads.size(); ++thread)
-      if (shape_.threads[thread].find_first_of(letters) != std::string::npos) return thread;
-    return std::nullopt;
+    std::optional<unsigned> first;
+    for (unsigned thread = 0; thread < shape_.threads.size(); ++thread) {
+      const std::string& word = shape_.threads[thread];
+      if (word.find_first_of(letters) == std::string::npos) continue;
+      if (!first || word.find('S') != std::string::npos) first = thread;
+    }
+    return first;
   };
   if (entry_.claims.producers == Callers::one) pusher_ = first_with("ERTF").value_or(0);
   if (entry_.claims.consumers == Callers::one)
@@ -76,7 +83,8 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
   for (unsigned worker = 0; worker < main; ++worker)
     if (entry_.claims.consumers == Callers::one
             ? worker == popper_
-            : shape_.threads[worker].find_first_of("DRTF") != std::string::npos)
+            : shape_.threads[worker].find_first_of("DRTF") != std::string::npos ||
+                  (worker == popper_ && shape_.prologue.find_first_of("DRTF") != std::string::npos))
       poppers.push_back(worker);
   if (poppers.empty() || entry_.claims.consumers == Callers::own_worker ||
       (stopped && entry_.claims.consumers == Callers::many)) {
@@ -93,8 +101,8 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
 void QueueClient::run_letters(const std::string& letters, unsigned thread) {
   // What comes before and after the threads is done by the workers whose part it is.
   const bool alone = thread == shape_.threads.size();
-  const unsigned pusher = alone ? pusher_ : thread;
-  const unsigned popper = alone ? popper_ : thread;
+  const unsigned pusher = alone || entry_.claims.producers == Callers::one ? pusher_ : thread;
+  const unsigned popper = alone || entry_.claims.consumers == Callers::one ? popper_ : thread;
   const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
   if (alone && (pusher == stopped || popper == stopped)) return;
   for (const char letter : letters) {

@@ -2,8 +2,9 @@
 ///
 /// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
 /// before and after is done on behalf of worker 0 or, where the queue is for one producer or one
-/// consumer, of the worker that is it. The workers that pop in the shape empty the queue, all
-/// workers if none does. Nobody acts for a thread that was stopped.
+/// consumer, of the worker that is it; who takes such a role over acts for that worker, too. The
+/// workers that pop in the shape empty the queue, all workers if none does. Nobody acts for a
+/// thread that was stopped.
 ///
 /// Each element stands for something that its thread writes just before the push, and that is read
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
@@ -31,8 +32,10 @@ class QueueClient {
   /// `capacity` is used where the shape leaves it open; 0 makes it one element, or for a bounded
   /// queue as many as the prologue pushes, so that rings are full and go round. With `real_time`
   /// calls are ordered by a clock as well, which is what `fifo_real_time` promises to agree with.
+  /// Clients of one queue may share `aged`, so that its ageing is made once.
   QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
-              virtual_cores::Module* module, bool real_time = false);
+              virtual_cores::Module* module, bool real_time = false,
+              std::shared_ptr<AgedMemory> aged = nullptr);
   QueueClient(const QueueClient&) = delete;
   QueueClient& operator=(const QueueClient&) = delete;
 
@@ -52,6 +55,8 @@ class QueueClient {
   std::size_t call(Operation::Kind kind, unsigned thread, unsigned worker);
   template <class Work>
   bool finish(std::size_t number, Work work);
+  void age(std::uint64_t pairs, std::shared_ptr<AgedMemory> memory);
+  void make_pair(std::uint64_t n);
   std::optional<std::string> judge_history(const Execution& execution);
   [[nodiscard]] std::optional<std::string> judge_stalled(unsigned stopped) const;
 
@@ -63,6 +68,7 @@ class QueueClient {
   AnyWorkQueue<std::uint64_t>* queue_ = nullptr;
   std::vector<Operation> operations_;
   Operation::Phase phase_ = Operation::Phase::before;
+  std::vector<std::uint64_t> ageing_words_;
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far
   std::unordered_map<std::string, bool> judged_;
   unsigned pusher_ = 0;  ///< the worker that pushes before and after the threads
