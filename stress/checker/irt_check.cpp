@@ -10,9 +10,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "stress/checker/all_clients.hpp"
+#include "stress/checker/batteries.hpp"
 #include "stress/checker/mutants_check.hpp"
 #include "stress/checker/parts.hpp"
 #include "stress/checker/queue_check.hpp"
+#include "stress/checker/verdict.hpp"
 
 namespace {
 
@@ -61,19 +64,13 @@ std::vector<std::string> queue_names() {
 
 json to_json(const checker::ShapeResult& s) {
   const checker::Result& r = s.result;
-  json j{{"shape", s.shape},
-         {"search", s.search},
-         {"executions", r.executions},
-         {"complete", r.complete},
-         {"blocked", r.blocked},
-         {"inconsistent", r.cut},
-         {"seconds", r.seconds},
-         {"finished", r.finished},
-         {"proved", s.proved},
-         {"incomplete", r.incomplete},
-         {"explored", r.explored},
-         {"histories", s.histories},
-         {"assumed_waits", r.assumed_waits}};
+  json j{{"origin", name_of(s.origin)}, {"shape", s.shape},
+         {"search", s.search},          {"executions", r.executions},
+         {"complete", r.complete},      {"blocked", r.blocked},
+         {"inconsistent", r.cut},       {"seconds", r.seconds},
+         {"finished", r.finished},      {"proved", s.proved},
+         {"incomplete", r.incomplete},  {"explored", r.explored},
+         {"histories", s.histories},    {"assumed_waits", r.assumed_waits}};
   if (r.finding) {
     j["finding"] = {{"kind", name_of(r.finding->kind)}, {"report", s.report}};
     j["schedule"] = to_string(r.schedule);
@@ -125,13 +122,6 @@ void prepare(CommandLine& line) {
       {"pos", checker::Search::pos}};
   if (line.real_time) settings.real_time = true;
   if (line.strategy != "auto") settings.search = searches.at(line.strategy);
-  if (line.threads != 0) {
-    std::string shape;
-    for (unsigned t = 0; t < line.threads; ++t)
-      shape += (t == 0 ? "" : "|") + std::string(line.operations, 'E') +
-               std::string(line.operations, 'D');
-    settings.shapes.push_back(shape);
-  }
   for (const std::string& shape : settings.shapes) checker::parse_shape(shape);
   if (!line.shard.empty()) {
     checker::Options& options = settings.options;
@@ -164,7 +154,16 @@ int run(const CommandLine& line) {
   if (!entry.claims.carries_elements)
     usage_error(fmt::format("queue {} only counts and carries nothing; irt bench alone can use it",
                             entry.name));
-  const checker::CheckSettings& settings = line.settings;
+  checker::CheckSettings settings = line.settings;
+  if (line.threads != 0) {
+    const std::string shape = checker::even_shape(entry.claims, line.threads, line.operations);
+    if (shape.empty())
+      usage_error(
+          fmt::format("--threads {}: queue {} is for one producer and one consumer, so that "
+                      "a third thread would have nothing to do; --threads 2, or a --shape",
+                      line.threads, entry.name));
+    settings.shapes.push_back(shape);
+  }
   std::string command = "irt check --queue " + std::string(entry.name);
   if (line.queue.empty()) command = "irt check --module " + line.module;
   if (settings.capacity != checker::CheckSettings{}.capacity)
@@ -207,10 +206,16 @@ int run(const CommandLine& line) {
     fmt::print(
         "\nNot seen by the checker, for no compiler announces it, so nothing is proved: {}\n",
         fmt::join(result.unseen_instructions, ", "));
+  const std::string verdict = checker::verdict(entry.name, result);
+  if (!settings.quiet) fmt::print("\n{}\n", verdict);
   if (!line.json_file.empty()) {
-    json j{{"queue", entry.name},           {"found", result.found},
-           {"seed", settings.options.seed}, {"capacity", settings.capacity},
-           {"unseen", result.unseen},       {"unseen_instructions", result.unseen_instructions},
+    json j{{"verdict", verdict},
+           {"queue", entry.name},
+           {"found", result.found},
+           {"seed", settings.options.seed},
+           {"capacity", settings.capacity},
+           {"unseen", result.unseen},
+           {"unseen_instructions", result.unseen_instructions},
            {"shapes", json::array()}};
     for (const checker::ShapeResult& shape : result.shapes) j["shapes"].push_back(to_json(shape));
     std::ofstream(line.json_file) << j.dump(2) << '\n';
@@ -274,8 +279,17 @@ int run(int argc, char** argv) {
                "data races are no findings (a formal fault of some libraries)");
   app.add_flag("--reuse", settings.options.limits.reuse_memory,
                "a thread may get its freed memory back at once (ABA)");
-  app.add_option("--failing-allocations", settings.options.limits.failing_allocations,
-                 "so many allocations of an execution may fail");
+  auto* failing =
+      app.add_option("--failing-allocations", settings.options.limits.failing_allocations,
+                     "so many allocations of an execution may fail (default: 1, in a "
+                     "search of its own; 0: none)");
+  app.add_flag("--keep-going", settings.keep_going,
+               "do not stop at the first finding: report each kind and place once");
+  app.add_option("--all-clients", settings.all_clients,
+                 "instead of the battery, every client of at most so many calls")
+      ->check(CLI::Range(1U, checker::most_calls));
+  app.add_flag("--old", settings.old,
+               "age queues by nearly 2^32 pairs of a push and a pop, not 2^16: takes minutes");
   app.add_flag("--real-time", line.real_time,
                "order calls by a clock too (default: in a search of its own, if the queue claims "
                "fifo_real_time)");
@@ -292,6 +306,7 @@ int run(int argc, char** argv) {
     app.exit(error);
     return 2;
   }
+  settings.no_memory = failing->count() == 0;
   if (!line.merge.empty()) return merge(line.merge);
   if (!line.mutants && line.queue.empty() && line.module.empty())
     usage_error(

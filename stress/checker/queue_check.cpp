@@ -4,84 +4,33 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <fstream>
-#include <iostream>
+#include <set>
 #include <utility>
 
+#include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
-#include "stress/checker/parts.hpp"
-#include "stress/checker/progress.hpp"
+#include "stress/checker/generated_shapes.hpp"
 #include "stress/checker/report.hpp"
+#include "stress/checker/shape_search.hpp"
+#include "stress/checker/verdict.hpp"
 
 namespace irt::checker {
 
 namespace {
 
-std::string_view name_of(Search search) {
-  switch (search) {
-    case Search::exhaustive:
-      return "exhaustive";
-    case Search::bounded:
-      return "bounded";
-    case Search::random:
-      return "random";
-    case Search::pct:
-      return "pct";
-    case Search::pos:
-      return "pos";
-  }
-  return "?";
-}
-
-/// What the exhaustive search is called when a clock orders the calls.
-constexpr const char* timed_search = "real time";
-
-/// Whether its search leaves nothing out when it comes to its end.
-bool searched_whole(const ShapeResult& s) {
-  return s.search == name_of(Search::exhaustive) || s.search == timed_search;
-}
-
-std::string report_of(QueueClient& client, const Options& options, const Result& result,
-                      virtual_cores::Module& module, const std::string& command) {
-  Symbols symbols(module);
-  const Finding& finding = *result.finding;
-  std::string text =
-      fmt::format("{}: {}\n\n", checker::name_of(finding.kind), sentence(finding, symbols));
-  const auto execution = repeat(client.scenario(), options, result.schedule);
-  if (execution != nullptr) {
-    text += picture(*execution, client.operations(), symbols);
-  }
-  text += fmt::format("\nreplay: {} --shape '{}' --replay \"{}\"\n", command,
-                      to_string(client.shape()), to_string(result.schedule));
-  return text;
-}
-
-/// "3.1e+04 in all?": what an estimate is worth.
-std::string estimate(std::uint64_t executions, double explored) {
-  if (explored <= 0) return "";
-  return fmt::format("  about {:.0g} in all", static_cast<double>(executions) / explored);
-}
-
-void say(std::string_view shape, std::string_view search, const SearchProgress& now) {
-  fmt::print(stderr, "  {:<12} {:<11} {:>9} executions {:>8.1f} s  {:.0f}/s, {} steps{}\n", shape,
-             search, now.executions, now.seconds, now.per_second, now.steps,
-             estimate(now.executions, now.explored));
-}
-
-void say(const ShapeResult& s) {
-  const Result& r = s.result;
-  std::string verdict = "nothing found" + estimate(r.executions, r.explored);
-  if (r.finding)
-    verdict = std::string(checker::name_of(r.finding->kind));
-  else if (r.finished && searched_whole(s))
-    verdict = s.proved ? "proved" : "explored whole, not proved: " + s.unproved;
-  else if (r.finished)
-    verdict = "nothing within the bound";
-  else if (!r.incomplete.empty())
-    verdict = "not proved: " + r.incomplete;
-  fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}\n", s.shape,
-             s.search, r.executions, r.seconds, s.histories, verdict);
-  std::fflush(stdout);
-}
+/// Parts of the time by which each kind of search is to be done. Who finishes early leaves the rest
+/// to those that follow; what is left at last belongs to generated shapes.
+namespace until {
+constexpr double first_look = 0.03;  // for each shape
+constexpr double proofs = 0.5;
+constexpr double pos = 0.58;
+constexpr double bounded = 0.64;
+constexpr double pct = 0.7;
+constexpr double no_memory = 0.78;
+constexpr double aged = 0.88;
+constexpr double real_time = 0.94;
+constexpr double all = 1;
+}  // namespace until
 
 /// The checks of one queue, one after the other, until something is found or time is up.
 class QueueCheck {
@@ -91,8 +40,8 @@ class QueueCheck {
       : entry_(entry),
         module_(module),
         settings_(settings),
-        command_(command),
         shapes_(settings.shapes.empty() ? battery(entry.claims) : settings.shapes),
+        searches_(entry, module, settings, command),
         clocked_(settings.real_time.value_or(false)) {}
 
   QueueResult run() {
@@ -102,25 +51,44 @@ class QueueCheck {
       all_.unproved = "it calls compiled code";
     else if (!all_.unseen_instructions.empty())
       all_.unproved = "not all that it does to memory is seen";
-    // Proofs first, of all shapes; then samples of those that were too large for one. Who finishes
-    // early leaves the time to the rest.
-    const auto open = search_all(shapes_, settings_.search.value_or(Search::exhaustive),
-                                 settings_.search ? 1.0 : 0.5);
-    if (!settings_.search) {
-      double until = 0.5;
-      for (const Search search : {Search::pos, Search::bounded, Search::pct})
-        search_all(open, search, until += 0.15);
-      for (const std::string& shape : shapes_to_stall())
-        if (!all_.found) stall(shape);
-      if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
-        clocked_ = true;
-        search_all(shapes_, Search::exhaustive, 1.0);
-      }
-    }
+    if (settings_.all_clients != 0)
+      search_clients();
+    else if (settings_.search)
+      search_all(shapes_, *settings_.search, until::all);
+    else
+      search_by_default();
     return std::move(all_);
   }
 
  private:
+  // Proofs first, of all shapes; then samples of those that were too large for one.
+  void search_by_default() {
+    // Each gets a little first, so that one that is too large does not take from those that are
+    // not.
+    most_seconds_ = until::first_look * settings_.seconds;
+    auto open = search_all(shapes_, Search::exhaustive, until::proofs);
+    most_seconds_ = 1e9;
+    const auto large = search_all(deferred_, Search::exhaustive, until::proofs);
+    open.insert(open.end(), large.begin(), large.end());
+    search_all(open, Search::pos, until::pos);
+    search_all(open, Search::bounded, until::bounded);
+    search_all(open, Search::pct, until::pct);
+    search_without_memory();
+    for (const std::string& shape : shapes_to_stall())
+      if (!done()) add(searches_.stall(shape));
+    const bool chosen = !settings_.shapes.empty();
+    if (!chosen) search_aged();
+    if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
+      clocked_ = true;
+      search_all(shapes_, Search::exhaustive, until::real_time);
+      clocked_ = false;
+    }
+    if (!chosen) search_generated();
+  }
+
+  [[nodiscard]] bool done() const { return all_.found && !settings_.keep_going; }
+  [[nodiscard]] double left(double part) const { return part * settings_.seconds - elapsed(); }
+
   /// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
   [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
     if (!settings_.progress || entry_.claims.push == irt::Progress::blocking) return {};
@@ -133,19 +101,25 @@ class QueueCheck {
     return result;
   }
 
-  /// Searches each of `shapes` until the part `until` of the time is used up, and returns those
+  /// Searches each of `shapes` until the part `part` of the time is used up, and returns those
   /// whose search did not come to its end.
   std::vector<std::string> search_all(const std::vector<std::string>& shapes, Search kind,
-                                      double until) {
+                                      double part) {
     std::vector<std::string> open;
     if (kind == Search::pos || kind == Search::pct || kind == Search::random) {
-      if (!all_.found && !shapes.empty()) sample(shapes, kind, until);
+      if (!done() && !shapes.empty()) sample(shapes, kind, part);
       return open;
     }
-    for (std::size_t i = 0; i < shapes.size() && !all_.found; ++i) {
-      const double left = until * settings_.seconds - elapsed();
+    for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
       ShapeResult shape{.shape = shapes[i], .search = label(kind)};
-      search(shape, kind, left / static_cast<double>(shapes.size() - i), settings_.options.seed);
+      const double share = left(part) / static_cast<double>(shapes.size() - i);
+      search(shape, kind, {.seconds = std::min(share, most_seconds_)});
+      if (shape.result.allocates) allocating_.insert(shapes[i]);
+      if (most_seconds_ < share && !shape.result.finished && !shape.result.finding &&
+          shape.result.incomplete.empty()) {
+        deferred_.push_back(shapes[i]);
+        continue;
+      }
       if (!shape.result.finished) open.push_back(shapes[i]);
       add(std::move(shape));
     }
@@ -154,7 +128,7 @@ class QueueCheck {
 
   /// Samples of all shapes in turn, in rounds that take longer and longer, so that none waits for
   /// the others.
-  void sample(const std::vector<std::string>& shapes, Search kind, double until) {
+  void sample(const std::vector<std::string>& shapes, Search kind, double part) {
     std::vector<ShapeResult> results;
     results.reserve(shapes.size());
     for (const std::string& shape : shapes)
@@ -165,77 +139,104 @@ class QueueCheck {
     const auto any = [&] { return std::any_of(results.begin(), results.end(), found); };
     double slice = 0.01;
     do {
-      for (std::size_t i = 0; i < results.size() && !any(); ++i) {
-        const double left = until * settings_.seconds - elapsed();
-        search(results[i], kind, std::min(slice, left / static_cast<double>(results.size() - i)),
-               seed);
-      }
+      for (std::size_t i = 0; i < results.size() && !any(); ++i)
+        search(results[i], kind,
+               {.seconds = std::min(slice, left(part) / static_cast<double>(results.size() - i)),
+                .seed = seed});
       slice *= 2;
       seed += next_seed;
-    } while (!any() && elapsed() < until * settings_.seconds);
+    } while (!any() && left(part) > 0);
     for (ShapeResult& shape : results) add(std::move(shape));
+  }
+
+  /// One allocation of the threads fails, where they allocate; then the queue is used once more.
+  void search_without_memory() {
+    const bool promised = entry_.claims.survives_no_memory && settings_.no_memory;
+    if (!promised || settings_.options.limits.failing_allocations != 0) return;
+    std::vector<std::string> shapes;
+    for (const std::string& shape : shapes_)
+      if (allocating_.contains(shape)) shapes.push_back(shape);
+    for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
+      Shape used_again = parse_shape(shapes[i]);
+      if (settings_.shapes.empty() && used_again.epilogue.empty()) used_again.epilogue = "E";
+      ShapeResult shape{.shape = to_string(used_again), .search = poor_search};
+      search(shape, Search::exhaustive,
+             {.seconds = left(until::no_memory) / static_cast<double>(shapes.size() - i),
+              .failing_allocations = 1});
+      add(std::move(shape));
+    }
+  }
+
+  /// As far as a number of executions goes, so that what is found does not depend on the machine.
+  void search_small(ShapeResult shape, std::uint64_t whole, std::uint64_t samples, double seconds) {
+    search(shape, Search::exhaustive, {.seconds = seconds, .executions = whole});
+    const bool goes_on = !shape.result.finished && !shape.result.finding &&
+                         shape.result.incomplete.empty() && samples != 0;
+    std::optional<ShapeResult> sampled;
+    if (goes_on && !done()) {
+      sampled = {.shape = shape.shape, .search = label(Search::pos), .origin = shape.origin};
+      search(*sampled, Search::pos, {.seconds = seconds, .executions = samples});
+    }
+    add(std::move(shape));
+    if (sampled) add(std::move(*sampled));
+  }
+
+  void search_aged() {
+    const std::vector<std::string> shapes = aged_battery(entry_.claims, settings_.old);
+    for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
+      const double seconds = left(until::aged) / static_cast<double>(shapes.size() - i);
+      search_small({.shape = shapes[i], .origin = Origin::aged}, 1'000, 200, seconds);
+    }
+    say_sum(Origin::aged);
+  }
+
+  void search_generated() {
+    if (!entry_.claims.allows_workers(2)) return;
+    GeneratedShapes shapes(entry_.claims, settings_.options.seed);
+    for (std::uint64_t i = 0; i < settings_.generated && !done() && left(until::all) > 0; ++i)
+      search_small({.shape = to_string(shapes.next()), .origin = Origin::generated}, 2'000, 500,
+                   std::min(left(until::all), 2.0));
+    say_sum(Origin::generated);
+  }
+
+  void search_clients() {
+    all_.all_clients = settings_.all_clients;
+    const std::vector<std::string> clients = all_clients(entry_.claims, settings_.all_clients);
+    for (std::size_t i = 0; i < clients.size() && !done(); ++i) {
+      if (left(until::all) <= 0) {
+        all_.not_tried = clients.size() - i;
+        break;
+      }
+      // The large ones come last and need most.
+      search_small({.shape = clients[i], .origin = Origin::clients}, ~std::uint64_t{0}, 0,
+                   4 * left(until::all) / static_cast<double>(clients.size() - i + 3));
+    }
+    say_sum(Origin::clients);
   }
 
   [[nodiscard]] std::string label(Search kind) const {
     return clocked_ && kind == Search::exhaustive ? timed_search : std::string(name_of(kind));
   }
 
-  /// One search, whose work is added to what `shape` holds already.
-  void search(ShapeResult& shape, Search kind, double seconds, std::uint64_t seed) {
-    QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_, clocked_);
-    Options options = settings_.options;
-    options.search = kind;
-    options.seed = seed;
-    options.seconds = std::max(seconds, 0.01);
-    if (!entry_.claims.survives_no_memory) options.limits.failing_allocations = 0;
-    if (!settings_.quiet)
-      options.progress = [&](const SearchProgress& now) { say(shape.shape, shape.search, now); };
-    const Result before =
-        std::exchange(shape.result, check_in_parts(client.scenario(), options, settings_.jobs));
-    shape.result.executions += before.executions;
-    shape.result.complete += before.complete;
-    shape.result.blocked += before.blocked;
-    shape.result.cut += before.cut;
-    if (shape.result.incomplete.empty()) shape.result.incomplete = before.incomplete;
-    shape.result.seconds += before.seconds;
-    shape.histories = std::max(shape.histories, shape.result.histories.size());
-    if (!shape.result.finding || !settings_.reports) return;
-    const Result simple = simplest(client.scenario(), options, shape.result);
-    shape.report =
-        report_of(client, options, simple, module_, command_ + (clocked_ ? " --real-time" : ""));
-  }
-
-  void stall(const std::string& text) {
-    QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
-    ShapeResult shape{text, "stalls", {}, 0, ""};
-    const ProgressResult stalls = check_progress(
-        client.scenario(), settings_.options.limits, settings_.options.seed, 6,
-        [&](const Execution& execution) {
-          if (!settings_.reports) return;
-          Symbols symbols(module_);
-          shape.report =
-              fmt::format("{}: {}\n\n{}", checker::name_of(FindingKind::blocked_by_stalled_thread),
-                          sentence(*execution.finding(), symbols),
-                          picture(execution, client.operations(), symbols));
-        });
-    shape.result.executions = stalls.executions;
-    shape.result.finding = stalls.finding;
-    if (!shape.report.empty())
-      shape.report += fmt::format(
-          "\nThe queue claims that a stopped thread does not stop the others; thread {} was "
-          "stopped "
-          "before its step {}.\n",
-          stalls.thread, stalls.stopped + 1);
-    add(std::move(shape));
+  void search(ShapeResult& shape, Search kind, SearchBounds bounds) {
+    if (shape.search.empty()) shape.search = label(kind);
+    bounds.clocked = clocked_;
+    searches_.search(shape, kind, bounds, [this](ShapeResult found) { add(std::move(found)); });
   }
 
   void add(ShapeResult shape) {
     shape.unproved = all_.unproved;
     shape.proved = shape.result.finished && !shape.result.finding && searched_whole(shape) &&
                    shape.unproved.empty();
-    if (!settings_.quiet) say(shape);
+    // Of those that are many only what is found has a line.
+    const bool listed = shape.origin == Origin::battery || shape.result.finding;
+    if (!settings_.quiet && listed) say(shape);
     all_.found = all_.found || shape.result.finding;
     all_.shapes.push_back(std::move(shape));
+  }
+
+  void say_sum(Origin origin) const {
+    if (!settings_.quiet) say(origin, all_);
   }
 
   [[nodiscard]] double elapsed() const {
@@ -245,8 +246,11 @@ class QueueCheck {
   const QueueEntry& entry_;
   virtual_cores::Module& module_;
   const CheckSettings& settings_;
-  const std::string& command_;
   std::vector<std::string> shapes_;
+  std::set<std::string> allocating_;   ///< shapes whose threads allocate
+  double most_seconds_ = 1e9;          ///< of one search in search_all; who needs more ...
+  std::vector<std::string> deferred_;  ///< ... comes again
+  ShapeSearch searches_;
   bool clocked_;  ///< calls are ordered by a clock
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   QueueResult all_;

@@ -168,9 +168,20 @@ std::size_t most_held(const Shape& shape) {
   return most;
 }
 
+std::size_t calls_of(const Shape& shape) {
+  const auto calls = [](const std::string& word) {
+    return static_cast<std::size_t>(std::count_if(
+        word.begin(), word.end(), [](char step) { return step != 'S' && step != 'W'; }));
+  };
+  std::size_t sum = calls(shape.prologue) + calls(shape.epilogue);
+  for (const std::string& thread : shape.threads) sum += calls(thread);
+  return sum;
+}
+
 bool allows(const Claims& claims, const Shape& shape) {
   if (!claims.allows_workers(static_cast<unsigned>(shape.threads.size()))) return false;
-  // Whether all that `first` does of a role happens before what `second` does of it.
+  // Whether all that `first` does happens before what `second` does of a role: a worker may have
+  // another thread act for it then.
   const auto handed_over = [&shape](std::string_view letters, const std::string& first,
                                     const std::string& second) {
     const auto signalling = std::count_if(
@@ -179,7 +190,7 @@ bool allows(const Claims& claims, const Shape& shape) {
     const auto signal = first.find('S');
     const auto wait = second.find('W');
     return signalling == 1 && signal != std::string::npos && wait != std::string::npos &&
-           first.find_first_of(letters, signal) == std::string::npos &&
+           first.find_first_of("ERTFD", signal) == std::string::npos &&
            second.find_first_of(letters) > wait;
   };
   const auto one_at_a_time = [&](std::string_view letters) {

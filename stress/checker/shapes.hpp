@@ -53,8 +53,12 @@ std::string to_string(const Shape& shape);
 /// How many elements the prologue has inside at once, as far as E and D say.
 std::size_t most_held(const Shape& shape);
 
-/// Whether a queue with these claims may be used so: by one producer or consumer at a time where it
-/// is for one. The role may be handed over from who signals to who waits for that.
+/// Pushes and pops, and steps that make several, in all words.
+std::size_t calls_of(const Shape& shape);
+
+/// Whether a queue with these claims may be used so: by no more workers than it is for, and by one
+/// producer or consumer at a time where it is for one. Who is done may hand that role over, by a
+/// signal that the other one waits for.
 bool allows(const Claims& claims, const Shape& shape);
 
 }  // namespace irt::checker

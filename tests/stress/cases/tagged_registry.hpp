@@ -68,12 +68,12 @@ class Tagged_ {
     static thread_local bool known = false;
     static thread_local Block* block = nullptr;
     if (!known) {
-      known = true;
       block = new Block;
       block->next = registry().load(std::memory_order_relaxed);
       while (!registry().compare_exchange_weak(block->next, link(block), std::memory_order_release,
                                                std::memory_order_relaxed)) {
       }
+      known = true;  // not before: the allocation may fail
     }
     return *block;
   }

@@ -36,6 +36,7 @@ class ClaimsTest : public testing::Test {
     settings.quiet = true;
     settings.reports = false;
     settings.seconds = 20;
+    settings.generated = 60;
     for (const ShapeResult& shape : check_queue(entry(queue), module_, settings, "").shapes)
       if (shape.result.finding)
         return std::string(name_of(shape.result.finding->kind)) + " on " + shape.shape + ": " +

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "stress/checker/batteries.hpp"
 #include "stress/checker/parts.hpp"
 #include "stress/checker/progress.hpp"
-#include "stress/checker/batteries.hpp"
 #include "stress/checker/queue_client.hpp"
 
 namespace {

@@ -1,0 +1,140 @@
+#include "stress/checker/shape_search.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <utility>
+
+#include "stress/checker/parts.hpp"
+#include "stress/checker/progress.hpp"
+#include "stress/checker/queue_client.hpp"
+#include "stress/checker/report.hpp"
+#include "stress/checker/verdict.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+std::string report_of(QueueClient& client, const Options& options, const Result& result,
+                      virtual_cores::Module& module, const std::string& command) {
+  Symbols symbols(module);
+  const Finding& finding = *result.finding;
+  std::string text =
+      fmt::format("{}: {}\n\n", checker::name_of(finding.kind), sentence(finding, symbols));
+  const auto execution = repeat(client.scenario(), options, result.schedule);
+  if (execution != nullptr) {
+    for (const auto& [thread, place] : execution->failed_at())
+      text += fmt::format("There was no memory for what thread {} allocates at {}.\n\n", thread,
+                          symbols.name(place));
+    text += picture(*execution, client.operations(), symbols);
+  }
+  text += fmt::format("\nreplay: {} --shape '{}' --replay \"{}\"\n", command,
+                      to_string(client.shape()), to_string(result.schedule));
+  return text;
+}
+
+}  // namespace
+
+std::string_view name_of(Search search) {
+  switch (search) {
+    case Search::exhaustive:
+      return "exhaustive";
+    case Search::bounded:
+      return "bounded";
+    case Search::random:
+      return "random";
+    case Search::pct:
+      return "pct";
+    case Search::pos:
+      return "pos";
+  }
+  return "?";
+}
+
+bool ShapeSearch::is_new(const Finding& finding) {
+  known_.push_back(finding);
+  if (!settings_.reports) return true;
+  // One line of source may have been compiled into several places.
+  Symbols symbols(module_);
+  std::string key = sentence(finding, symbols);
+  std::erase_if(key, [&](char c) { return finding.places.empty() && c >= '0' && c <= '9'; });
+  return reported_.insert(std::string(checker::name_of(finding.kind)) + key).second;
+}
+
+void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bounds,
+                         const std::function<void(ShapeResult)>& found) {
+  using Stopwatch = std::chrono::steady_clock;
+  const auto start = Stopwatch::now();
+  QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_, bounds.clocked,
+                     aged_);
+  Options options = settings_.options;
+  options.search = kind;
+  if (bounds.seed != 0) options.seed = bounds.seed;
+  options.executions = std::min(options.executions, bounds.executions);
+  options.limits.failing_allocations =
+      std::max(options.limits.failing_allocations, bounds.failing_allocations);
+  if (!entry_.claims.survives_no_memory) options.limits.failing_allocations = 0;
+  if (!settings_.quiet)
+    options.progress = [&](const SearchProgress& now) { say(shape.shape, shape.search, now); };
+  std::string command = command_;
+  if (bounds.clocked) command += " --real-time";
+  if (options.limits.failing_allocations != settings_.options.limits.failing_allocations)
+    command += fmt::format(" --failing-allocations {}", options.limits.failing_allocations);
+  for (;;) {
+    const double spent = std::chrono::duration<double>(Stopwatch::now() - start).count();
+    options.seconds = std::max(bounds.seconds - spent, 0.01);
+    if (settings_.keep_going) options.known = known_;
+    const Result before =
+        std::exchange(shape.result, check_in_parts(client.scenario(), options, settings_.jobs));
+    Result& result = shape.result;
+    result.executions += before.executions;
+    result.complete += before.complete;
+    result.blocked += before.blocked;
+    result.cut += before.cut;
+    result.seconds += before.seconds;
+    result.allocates = result.allocates || before.allocates;
+    if (result.incomplete.empty()) result.incomplete = before.incomplete;
+    shape.histories = std::max(shape.histories, result.histories.size());
+    if (!result.finding) return;
+    const bool is_news = is_new(*result.finding);
+    if (is_news && settings_.reports)
+      shape.report = report_of(client, options, simplest(client.scenario(), options, result),
+                               module_, command);
+    if (!settings_.keep_going) return;
+    if (is_news) found(shape);
+    result.finding.reset();
+    shape.report.clear();
+    if (result.incomplete.empty())
+      result.incomplete = "some executions end in what is reported already";
+    if (spent > bounds.seconds) return;
+  }
+}
+
+ShapeResult ShapeSearch::stall(const std::string& text) {
+  QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
+  ShapeResult shape{.shape = text, .search = "stalls"};
+  const ProgressResult stalls =
+      check_progress(client.scenario(), settings_.options.limits, settings_.options.seed, 6,
+                     [&](const Execution& execution) {
+                       if (!settings_.reports) return;
+                       Symbols symbols(module_);
+                       shape.report = fmt::format(
+                           "{}: {}\n\n{}", checker::name_of(FindingKind::blocked_by_stalled_thread),
+                           sentence(*execution.finding(), symbols),
+                           picture(execution, client.operations(), symbols));
+                     });
+  shape.result.executions = stalls.executions;
+  shape.result.finding = stalls.finding;
+  if (stalls.finding && !is_new(*stalls.finding) && settings_.keep_going) {
+    shape.result.finding.reset();
+    shape.report.clear();
+  }
+  if (!shape.report.empty())
+    shape.report += fmt::format(
+        "\nThe queue claims that a stopped thread does not stop the others; thread {} was stopped "
+        "before its step {}.\n",
+        stalls.thread, stalls.stopped + 1);
+  return shape;
+}
+
+}  // namespace irt::checker

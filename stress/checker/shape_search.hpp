@@ -1,0 +1,53 @@
+/// One search of one shape over one queue, with its finding reported.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "stress/checker/queue_check.hpp"
+
+namespace irt::checker {
+
+/// How far a search may go, and in which way.
+struct SearchBounds {
+  double seconds = 1e9;
+  std::uint64_t executions = ~std::uint64_t{0};
+  std::uint64_t seed = 0;  ///< 0: that of the settings
+  bool clocked = false;    ///< calls are ordered by a clock as well
+  unsigned failing_allocations = 0;
+};
+
+/// "exhaustive", "bounded", ...
+std::string_view name_of(Search search);
+
+/// Searches shapes of one queue. With `keep_going` it knows what it has found before, and a search
+/// goes on past it.
+class ShapeSearch {
+ public:
+  ShapeSearch(const QueueEntry& entry, virtual_cores::Module& module, const CheckSettings& settings,
+              const std::string& command)
+      : entry_(entry), module_(module), settings_(settings), command_(command) {}
+
+  /// Adds its work to what `shape` holds already. Each finding but the one in `shape` after it goes
+  /// to `found`.
+  void search(ShapeResult& shape, Search kind, const SearchBounds& bounds,
+              const std::function<void(ShapeResult)>& found);
+
+  /// Stops each thread of the shape before each of its steps.
+  ShapeResult stall(const std::string& shape);
+
+ private:
+  bool is_new(const Finding& finding);
+
+  const QueueEntry& entry_;
+  virtual_cores::Module& module_;
+  const CheckSettings& settings_;
+  const std::string& command_;
+  std::shared_ptr<AgedMemory> aged_ = std::make_shared<AgedMemory>();
+  std::vector<Finding> known_;
+  std::set<std::string> reported_;  ///< kinds and lines
+};
+
+}  // namespace irt::checker

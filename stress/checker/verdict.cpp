@@ -1,0 +1,158 @@
+#include "stress/checker/verdict.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fmt/format.h>
+#include <map>
+#include <vector>
+
+#include "stress/checker/shape_search.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+/// "about 3e+04 in all": what an estimate is worth.
+std::string estimate(std::uint64_t executions, double explored) {
+  if (explored <= 0) return "";
+  return fmt::format("  about {:.0g} in all", static_cast<double>(executions) / explored);
+}
+
+/// What was tried in one way: how many shapes, how many of them to the end.
+struct Sum {
+  std::size_t shapes = 0;
+  std::size_t whole = 0;
+  std::size_t calls = 0;  ///< of the largest
+};
+
+/// "22 of 22 shapes of the battery".
+std::string words(const Sum& sum, std::string_view what) {
+  return fmt::format("{} of {} {}", sum.whole, sum.shapes, what);
+}
+
+std::string why_not(const ShapeResult& shape) {
+  return shape.result.incomplete.empty() ? "time" : shape.result.incomplete;
+}
+
+}  // namespace
+
+std::string_view name_of(Origin origin) {
+  switch (origin) {
+    case Origin::battery:
+      return "battery";
+    case Origin::aged:
+      return "aged";
+    case Origin::generated:
+      return "generated";
+    case Origin::clients:
+      return "all clients";
+  }
+  return "?";
+}
+
+bool searched_whole(const ShapeResult& s) {
+  return s.search == name_of(Search::exhaustive) || s.search == timed_search ||
+         s.search == poor_search;
+}
+
+void say(std::string_view shape, std::string_view search, const SearchProgress& now) {
+  fmt::print(stderr, "  {:<12} {:<11} {:>9} executions {:>8.1f} s  {:.0f}/s, {} steps{}\n", shape,
+             search, now.executions, now.seconds, now.per_second, now.steps,
+             estimate(now.executions, now.explored));
+}
+
+void say(const ShapeResult& s) {
+  const Result& r = s.result;
+  std::string verdict = "nothing found" + estimate(r.executions, r.explored);
+  if (r.finding)
+    verdict = std::string(checker::name_of(r.finding->kind));
+  else if (r.finished && searched_whole(s))
+    verdict = s.proved ? "proved" : "explored whole, not proved: " + s.unproved;
+  else if (r.finished)
+    verdict = "nothing within the bound";
+  else if (!r.incomplete.empty())
+    verdict = "not proved: " + r.incomplete;
+  fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}\n", s.shape,
+             s.search, r.executions, r.seconds, s.histories, verdict);
+  std::fflush(stdout);
+}
+
+void say(Origin origin, const QueueResult& all) {
+  std::size_t shapes = 0;
+  std::size_t whole = 0;
+  std::uint64_t executions = 0;
+  double seconds = 0;
+  std::map<std::string, std::size_t> incomplete;
+  for (const ShapeResult& s : all.shapes) {
+    if (s.origin != origin) continue;
+    executions += s.result.executions;
+    seconds += s.result.seconds;
+    if (!searched_whole(s)) continue;
+    ++shapes;
+    whole += s.result.finished && !s.result.finding ? 1 : 0;
+    if (!s.result.incomplete.empty()) ++incomplete[s.result.incomplete];
+  }
+  if (shapes == 0) return;
+  fmt::print("  {:<24} {:>9} executions {:>8.3f} s  {} shapes, {} of them whole{}\n",
+             name_of(origin), executions, seconds, shapes, whole,
+             all.unproved.empty() ? " and proved" : "");
+  for (const auto& [why, count] : incomplete) fmt::print("    {} not: {}\n", count, why);
+  std::fflush(stdout);
+}
+
+std::string verdict(std::string_view queue, const QueueResult& all) {
+  std::map<std::string, Sum> sums;
+  std::vector<std::string> open;
+  std::size_t findings = 0;
+  for (const ShapeResult& s : all.shapes) {
+    findings += s.result.finding ? 1 : 0;
+    if (!searched_whole(s)) continue;
+    std::string key = s.search;
+    if (key == name_of(Search::exhaustive)) key = std::string(name_of(s.origin));
+    Sum& sum = sums[key];
+    ++sum.shapes;
+    const bool whole = s.result.finished && !s.result.finding;
+    sum.whole += whole ? 1 : 0;
+    sum.calls = std::max(sum.calls, calls_of(parse_shape(s.shape)));
+    if (!whole && !s.result.finding && s.origin != Origin::generated && s.origin != Origin::aged &&
+        open.size() < 200)
+      open.push_back(fmt::format("{}{} ({})", s.shape,
+                                 s.search == name_of(Search::exhaustive) ? "" : ", " + s.search,
+                                 why_not(s)));
+  }
+  std::vector<std::string> parts;
+  const auto add = [&](std::string_view key, const std::string& what) {
+    if (const auto sum = sums.find(std::string(key)); sum != sums.end())
+      parts.push_back(words(sum->second, what));
+  };
+  add(name_of(Origin::battery), "shapes");
+  add(name_of(Origin::clients), fmt::format("clients of at most {} calls", all.all_clients));
+  add(timed_search, "by the clock");
+  add(poor_search, "with one allocation that fails");
+  add(name_of(Origin::aged), "of an aged queue");
+  const auto generated = sums.find(std::string(name_of(Origin::generated)));
+  if (generated != sums.end())
+    parts.push_back(words(generated->second, fmt::format("generated shapes of up to {} calls",
+                                                         generated->second.calls)));
+  std::string text =
+      fmt::format("{}: {}. ", queue,
+                  findings == 0 ? "nothing found"
+                                : fmt::format("{} finding{}", findings, findings == 1 ? "" : "s"));
+  if (all.unproved.empty())
+    text += fmt::format("Proved: {}.", fmt::join(parts, ", "));
+  else
+    text += fmt::format("Nothing is proved, for {}. Searched whole: {}.", all.unproved,
+                        fmt::join(parts, ", "));
+  if (!open.empty()) {
+    constexpr std::size_t enough = 12;
+    const std::size_t more = open.size() - std::min(open.size(), enough);
+    open.resize(std::min(open.size(), enough));
+    text += fmt::format(" Not searched whole: {}{}.", fmt::join(open, "; "),
+                        more == 0 ? "" : fmt::format("; {} more", more));
+  }
+  if (all.not_tried != 0)
+    text += fmt::format(" {} more clients were not tried, for time.", all.not_tried);
+  return text;
+}
+
+}  // namespace irt::checker

@@ -1,0 +1,32 @@
+/// What came out of a check, in lines for the reader.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "stress/checker/queue_check.hpp"
+
+namespace irt::checker {
+
+/// What the exhaustive search is called when a clock orders the calls, and when memory may run out.
+inline constexpr const char* timed_search = "real time";
+inline constexpr const char* poor_search = "no memory";
+
+std::string_view name_of(Origin origin);
+
+/// Whether its search leaves nothing out when it comes to its end.
+bool searched_whole(const ShapeResult& shape);
+
+/// How far a search is, on the error output.
+void say(std::string_view shape, std::string_view search, const SearchProgress& now);
+
+/// The line of one shape and search, on the output.
+void say(const ShapeResult& shape);
+
+/// One line for all shapes of an origin, and why some are not proved.
+void say(Origin origin, const QueueResult& result);
+
+/// The whole in a few sentences: what was proved, what was not, and why.
+std::string verdict(std::string_view queue, const QueueResult& result);
+
+}  // namespace irt::checker
