@@ -9,16 +9,6 @@ namespace irt::checker {
 
 namespace {
 
-std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims) {
-  std::vector<std::string> result;
-  std::copy_if(shapes.begin(), shapes.end(), std::back_inserter(result),
-               [&claims](const std::string& text) {
-                 const Shape shape = parse_shape(text);
-                 return allows(claims, shape) && (claims.bounded || shape.capacity == 0);
-               });
-  return result;
-}
-
 /// When a counter wraps that moves once for each pair, twice, or once for each round of the ring,
 /// whose places may have been rounded up to a power of two.
 std::vector<std::uint64_t> wraps(std::uint64_t range, std::size_t capacity) {
@@ -30,6 +20,16 @@ std::vector<std::uint64_t> wraps(std::uint64_t range, std::size_t capacity) {
 }
 
 }  // namespace
+
+std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims) {
+  std::vector<std::string> result;
+  std::copy_if(shapes.begin(), shapes.end(), std::back_inserter(result),
+               [&claims](const std::string& text) {
+                 const Shape shape = parse_shape(text);
+                 return allows(claims, shape) && (claims.bounded || shape.capacity == 0);
+               });
+  return result;
+}
 
 std::vector<std::string> battery(const Claims& claims) {
   // Pure consumers matter: a thread that has pushed before it pops has synchronised by that. The

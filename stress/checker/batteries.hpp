@@ -8,6 +8,9 @@
 
 namespace irt::checker {
 
+/// Those of `shapes` that a queue with these claims allows.
+std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims);
+
 /// The shapes that a queue with these claims is tried with, small ones first.
 std::vector<std::string> battery(const Claims& claims);
 

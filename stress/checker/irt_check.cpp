@@ -1,6 +1,6 @@
 // `irt check`: explores what a queue can do, and answers with a proof for the bound or with the few
-// steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line, or code that
-// cannot be looked at; 3: a crash of the checker.
+// steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line, or code
+// that cannot be looked at; 3: a crash of the checker.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -197,6 +197,8 @@ int run(const CommandLine& line) {
     return 0;
   }
   const checker::QueueResult result = checker::check_queue(entry, module, settings, command);
+  if (!result.refused.empty())
+    usage_error(fmt::format("queue {} cannot be checked: {}", entry.name, result.refused));
   for (const checker::ShapeResult& shape : result.shapes)
     if (!shape.report.empty()) std::cout << '\n' << shape.report;
   if (!settings.quiet && !result.unseen.empty())

@@ -10,6 +10,7 @@
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/generated_shapes.hpp"
+#include "stress/checker/parking.hpp"
 #include "stress/checker/report.hpp"
 #include "stress/checker/shape_search.hpp"
 #include "stress/checker/verdict.hpp"
@@ -32,6 +33,13 @@ constexpr double real_time = 0.94;
 constexpr double all = 1;
 }  // namespace until
 
+/// Whether an instruction that nothing announces, as Symbols names it, is an atomic operation.
+bool is_atomic(const std::string& instruction) {
+  for (const char* name : {"lock ", "xchg", "cmpxchg", "xadd"})
+    if (instruction.starts_with(name)) return true;
+  return false;
+}
+
 /// The checks of one queue, one after the other, until something is found or time is up.
 class QueueCheck {
  public:
@@ -51,6 +59,20 @@ class QueueCheck {
       all_.unproved = "it calls compiled code";
     else if (!all_.unseen_instructions.empty())
       all_.unproved = "not all that it does to memory is seen";
+    const auto hidden =
+        std::find_if(all_.unseen_instructions.begin(), all_.unseen_instructions.end(), is_atomic);
+    if (hidden != all_.unseen_instructions.end()) {
+      all_.refused = "its atomic operations are assembly, which nothing announces (" + *hidden +
+                     "): whatever was found might not be its own";
+      return std::move(all_);
+    }
+    parks_ = pop_waits_until_closed(entry_, module_);
+    if (parks_ && settings_.shapes.empty()) {
+      shapes_ = parking_battery(entry_.claims);
+      if (!settings_.quiet)
+        fmt::print("pop waits for an element until {:#x} was pushed: its shapes close the queue\n",
+                   stress::close_word);
+    }
     if (settings_.all_clients != 0)
       search_clients();
     else if (settings_.search)
@@ -76,7 +98,7 @@ class QueueCheck {
     search_without_memory();
     for (const std::string& shape : shapes_to_stall())
       if (!done()) add(searches_.stall(shape));
-    const bool chosen = !settings_.shapes.empty();
+    const bool chosen = !settings_.shapes.empty() || parks_;
     if (!chosen) search_aged();
     if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
       clocked_ = true;
@@ -91,7 +113,7 @@ class QueueCheck {
 
   /// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
   [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
-    if (!settings_.progress || entry_.claims.push == irt::Progress::blocking) return {};
+    if (!settings_.progress || parks_ || entry_.claims.push == irt::Progress::blocking) return {};
     if (entry_.claims.pop == irt::Progress::blocking)
       return entry_.claims.producers == Callers::one ? std::vector<std::string>{}
                                                      : std::vector<std::string>{"EE|EE"};
@@ -151,7 +173,8 @@ class QueueCheck {
 
   /// One allocation of the threads fails, where they allocate; then the queue is used once more.
   void search_without_memory() {
-    const bool promised = entry_.claims.survives_no_memory && settings_.no_memory;
+    // Who waits for an element that there was no memory for would wait for ever.
+    const bool promised = entry_.claims.survives_no_memory && settings_.no_memory && !parks_;
     if (!promised || settings_.options.limits.failing_allocations != 0) return;
     std::vector<std::string> shapes;
     for (const std::string& shape : shapes_)
@@ -251,7 +274,8 @@ class QueueCheck {
   double most_seconds_ = 1e9;          ///< of one search in search_all; who needs more ...
   std::vector<std::string> deferred_;  ///< ... comes again
   ShapeSearch searches_;
-  bool clocked_;  ///< calls are ordered by a clock
+  bool parks_ = false;  ///< its pop waits until the queue is closed
+  bool clocked_;        ///< calls are ordered by a clock
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   QueueResult all_;
 };

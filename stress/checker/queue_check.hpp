@@ -50,6 +50,7 @@ struct QueueResult {
   std::vector<std::string> unseen;               ///< calls into code that the checker does not see
   std::vector<std::string> unseen_instructions;  ///< see Symbols; left empty without `reports`
   std::string unproved;                          ///< see ShapeResult
+  std::string refused;  ///< why the queue cannot be checked; empty if it was
   bool found = false;
   unsigned all_clients = 0;   ///< see CheckSettings
   std::size_t not_tried = 0;  ///< of these clients

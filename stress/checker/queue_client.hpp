@@ -20,11 +20,11 @@
 #include "stress/checker/checker.hpp"
 #include "stress/checker/operations.hpp"
 #include "stress/checker/shapes.hpp"
+#include "stress/scenarios/core.hpp"
 
 namespace irt::checker {
 
-/// What C pushes; no element.
-inline constexpr std::uint64_t close_word = ~std::uint64_t{1};
+using stress::close_word;
 
 /// A shape over one queue. The functions of `scenario()` refer to this object.
 class QueueClient {

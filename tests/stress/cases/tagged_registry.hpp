@@ -69,6 +69,7 @@ class Tagged_ {
     static thread_local Block* block = nullptr;
     if (!known) {
       block = new Block;
+      known = true;
       block->next = registry().load(std::memory_order_relaxed);
       while (!registry().compare_exchange_weak(block->next, link(block), std::memory_order_release,
                                                std::memory_order_relaxed)) {
