@@ -151,7 +151,8 @@ class Measurement {
     const auto wanted =
         static_cast<std::uint64_t>(static_cast<double>(job_.capacity) * scenario_.prefill);
     for (std::uint64_t i = 0; i < wanted; ++i) {
-      const std::uint64_t element = i + 1;
+      // No worker's, and none of the small words that a queue may keep for itself.
+      const std::uint64_t element = (std::uint64_t{1} << 39U) | i;
       if (!subject_->push(static_cast<unsigned>(i % job_.threads), element)) {
         fail(fmt::format("full after {} of {} elements, below its capacity", i, job_.capacity));
         return;

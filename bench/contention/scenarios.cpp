@@ -119,6 +119,9 @@ std::string obstacle(const Cast& cast, const Claims& claims) {
   if (own && !cast.together()) return "a worker pops only what it pushed itself";
   if (!claims.allows_workers(cast.threads))
     return fmt::format("it is for at most {} workers", claims.max_workers);
+  constexpr std::uint64_t bits_of_elements = (std::uint64_t{1} << 56U) - 1;
+  if ((claims.unused_bits & bits_of_elements) != 0)
+    return "its elements leave bits unused that the elements here need";
   if (claims.producers == Callers::one && cast.producers > 1) return "it allows one producer";
   if (claims.consumers == Callers::one && cast.consumers > 1) return "it allows one consumer";
   return {};

@@ -48,6 +48,28 @@ TEST(Registry, finds_by_name_and_guesses_what_was_meant) {
             std::string::npos);
 }
 
+template <class T>
+struct ForTwo {
+  static constexpr std::string_view summary = "for two";
+  static constexpr Claims claims{.max_workers = 2};
+  ForTwo(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  bool push(unsigned /*worker*/, T /*task*/) { return true; }
+  bool pop(unsigned /*worker*/, T& /*task*/) { return false; }
+};
+
+TEST(Registry, makes_no_queue_for_more_workers_than_it_is_for) {
+  constexpr QueueEntry entry = queue_entry<ForTwo>("for-two");
+  EXPECT_NE(entry.make_word_queue(2, 1), nullptr);
+  try {
+    entry.make_task_queue(3, 1);
+    ADD_FAILURE() << "three workers";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "this queue (for two) is for at most 2 workers, and 3 were asked for; use fewer "
+                 "threads");
+  }
+}
+
 TEST(Registry, keeps_counters_for_who_asks_for_them) {
   const QueueRegistry registry;
   ASSERT_FALSE(built_in_counters().empty());

@@ -107,5 +107,28 @@ TEST(Cast, RespectsTheClaims) {
   }
 }
 
+TEST(Cast, HasNoMoreWorkersThanTheQueueIsFor) {
+  for (const Callers callers : {Callers::one, Callers::many, Callers::own_worker}) {
+    for (unsigned most = 1; most <= 5; ++most) {
+      const Claims claims{.producers = callers, .consumers = callers, .max_workers = most};
+      for (const Scenario& scenario : scenarios()) {
+        const Cast cast = cast_for(scenario, claims);
+        EXPECT_LE(cast.workers, most) << scenario.name;
+        EXPECT_GE(cast.pushers, 1U) << scenario.name;
+        EXPECT_GE(cast.poppers, 1U) << scenario.name;
+      }
+    }
+  }
+}
+
+TEST(Elements, AreWordsThatTheQueueTakes) {
+  const Claims claims{.all_ones_reserved = true, .reserved = {0, 3}, .unused_bits = 4};
+  std::vector<Element> taken;
+  for (std::uint64_t sequence = 0; taken.size() < 5; ++sequence)
+    taken.push_back(next_element(claims, 0, sequence));
+  EXPECT_EQ(taken, (std::vector<Element>{1, 2, 8, 9, 10}));
+  EXPECT_FALSE(claims.allows(~Element{0}));
+}
+
 }  // namespace
 }  // namespace irt::stress
