@@ -28,9 +28,7 @@ void Execution::begin_aged() {
     memory = {.what = scenario_.aged_what};
   if (memory.age != 0) {
     heap_.restore(memory.heap);
-    if (scenario_.module != nullptr)
-      std::memcpy(reinterpret_cast<void*>(scenario_.module->globals().begin), memory.globals.data(),
-                  memory.globals.size());
+    if (scenario_.module != nullptr) scenario_.module->restore(memory.globals);
   }
   if (memory.age == scenario_.age) return;
   phase_ = Phase::ageing;
@@ -55,10 +53,7 @@ void Execution::begin_aged() {
   memory.age = scenario_.age;
   heap_.settle();
   memory.heap = heap_.image();
-  if (scenario_.module == nullptr) return;
-  const virtual_cores::Range globals = scenario_.module->globals();
-  memory.globals.assign(reinterpret_cast<const char*>(globals.begin),
-                        reinterpret_cast<const char*>(globals.end));
+  if (scenario_.module != nullptr) memory.globals = scenario_.module->image();
 }
 
 void Execution::note_unwatched() {

@@ -92,7 +92,10 @@ Outcome Execution::run(Strategy& strategy) {
   }
   if (outcome_ == Outcome::complete && limits_.leaks && !frozen_ && scenario_.finish) {
     std::vector<virtual_cores::Range> roots = virtual_cores::thread_locals_of(main_);
-    if (scenario_.module != nullptr) roots.push_back(scenario_.module->globals());
+    if (scenario_.module != nullptr) {
+      const auto& globals = scenario_.module->globals();
+      roots.insert(roots.end(), globals.begin(), globals.end());
+    }
     if (const Block* lost = first_lost(heap_, roots)) {
       finding_ = Finding{FindingKind::leak,
                          "a block of " + std::to_string(lost->size) +

@@ -193,7 +193,11 @@ void* Execution::allocate(std::size_t size, std::size_t alignment, const void* p
 
 void Execution::release(void* pointer, const void* pc) {
   const auto address = reinterpret_cast<std::uintptr_t>(pointer);
-  if (!heap_.owns(address)) return Tenant::release(pointer, pc);
+  if (!heap_.owns(address)) {
+    // What was allocated when the code was loaded is there again in the next execution.
+    if (scenario_.module != nullptr && scenario_.module->owns_global(address)) return;
+    return Tenant::release(pointer, pc);
+  }
   if (phase_ == Phase::endless) conclude_alone(false, pc);
   alone_.begin();
   const unsigned thread = cores_.current();

@@ -38,6 +38,33 @@ int find_globals(dl_phdr_info* info, std::size_t, void* result) {
   return 1;
 }
 
+// What constructors of global variables allocate while the code is loaded. It lasts as long as the
+// code, like the variables that lead to it.
+class Loading final : public Tenant {
+ public:
+  Loading() : before_(active) { active = this; }
+  Loading(const Loading&) = delete;
+  Loading& operator=(const Loading&) = delete;
+  ~Loading() override { active = before_; }
+
+  void* allocate(std::size_t size, std::size_t alignment, const void* pc) override {
+    void* block = Tenant::allocate(size, alignment, pc);
+    if (block != nullptr) blocks_.push_back({address_of(block), address_of(block) + size});
+    return block;
+  }
+  void release(void* block, const void* pc) override {
+    blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(),
+                                 [block](Range b) { return b.begin == address_of(block); }),
+                  blocks_.end());
+    Tenant::release(block, pc);
+  }
+  const std::vector<Range>& blocks() const { return blocks_; }
+
+ private:
+  Tenant* before_;
+  std::vector<Range> blocks_;
+};
+
 std::string demangled(const char* name) {
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> text(
@@ -52,22 +79,28 @@ struct Module::State {
   void* handle = nullptr;
   const link_map* map = nullptr;
   Globals globals{};
+  std::vector<Range> memory{};  // the globals, and what their constructors allocated
   std::vector<char> initial{};
 };
 
 Module::Module(const std::string& file) : state_(new State{.file = file}) {
-  state_->handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  {
+    const Loading loading;
+    state_->handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    state_->memory = loading.blocks();
+  }
   if (state_->handle == nullptr)
     throw std::runtime_error(std::string("virtual cores: ") + dlerror());
   dlinfo(state_->handle, RTLD_DI_LINKMAP, &state_->map);
   std::pair<std::uintptr_t, Globals> search{state_->map->l_addr, {}};
   dl_iterate_phdr(find_globals, &search);
   state_->globals = search.second;
-  const auto* begin = reinterpret_cast<const char*>(state_->globals.begin);
-  state_->initial.assign(begin, begin + (state_->globals.end - state_->globals.begin));
+  state_->memory.push_back(state_->globals);
+  state_->initial = image();
 }
 
 Module::~Module() {
+  reset_globals();  // destructors of global variables must not see what a tenant's heap held
   dlclose(state_->handle);
 }
 
@@ -80,16 +113,34 @@ void* Module::find(const std::string& symbol) const {
 }
 
 void Module::reset_globals() {
-  std::memcpy(reinterpret_cast<void*>(state_->globals.begin), state_->initial.data(),
-              state_->initial.size());
+  restore(state_->initial);
+}
+
+std::vector<char> Module::image() const {
+  std::vector<char> bytes;
+  for (const Range range : state_->memory)
+    bytes.insert(bytes.end(), reinterpret_cast<const char*>(range.begin),
+                 reinterpret_cast<const char*>(range.end));
+  return bytes;
+}
+
+void Module::restore(const std::vector<char>& image) {
+  const char* from = image.data();
+  for (const Range range : state_->memory) {
+    const std::size_t size = range.end - range.begin;
+    if (size != 0) std::memcpy(reinterpret_cast<void*>(range.begin), from, size);
+    from += size;
+  }
 }
 
 bool Module::owns_global(std::uintptr_t address) const {
-  return address >= state_->globals.begin && address < state_->globals.end;
+  return std::any_of(state_->memory.begin(), state_->memory.end(), [address](Range range) {
+    return address >= range.begin && address < range.end;
+  });
 }
 
-Range Module::globals() const {
-  return state_->globals;
+const std::vector<Range>& Module::globals() const {
+  return state_->memory;
 }
 
 std::vector<std::string> Module::unseen_calls() const {

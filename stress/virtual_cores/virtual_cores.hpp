@@ -228,11 +228,15 @@ class Module {
     return reinterpret_cast<F*>(find(symbol));
   }
 
-  /// Puts global variables back to what they were after loading.
+  /// Puts global variables, and what their constructors allocated, back to what they were after
+  /// loading. Nobody may have returned such a block to the host's heap.
   void reset_globals();
-  /// Its global variables.
-  Range globals() const;
+  /// Its global variables, and the blocks that their constructors allocated.
+  const std::vector<Range>& globals() const;
   bool owns_global(std::uintptr_t address) const;
+  /// What they hold, and the way back to that.
+  std::vector<char> image() const;
+  void restore(const std::vector<char>& image);
 
   /// Functions outside the module that it calls, that may touch shared memory and that nobody
   /// observes, demangled; also tables of virtual functions and objects outside.

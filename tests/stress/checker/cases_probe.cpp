@@ -4,6 +4,7 @@
 #include "tests/stress/cases/chase.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
+#include "tests/stress/cases/load_time.hpp"
 #include "tests/stress/cases/many_sc.hpp"
 #include "tests/stress/cases/narrow_index.hpp"
 #include "tests/stress/cases/notified_twice.hpp"
@@ -42,6 +43,8 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::UnpublishedFixed>("unpublished-fixed"),
     irt::queue_entry<irt::Chase>("chase"),
     irt::queue_entry<irt::ManySc>("many-sc"),
+    irt::queue_entry<irt::LoadTime>("load-time"),
+    irt::queue_entry<irt::LoadTimeGrown>("load-time-grown"),
     irt::queue_entry<irt::TaggedTop>("tagged-top"),
     irt::queue_entry<irt::TaggedLow>("tagged-low"),
     irt::queue_entry<irt::TaggedInside>("tagged-inside"),

@@ -37,6 +37,8 @@ const std::vector<Case> cases{
     {"shared-line-fixed", {}},
     {"chase", {}},
     {"many-sc", {}},
+    {"load-time", {}},
+    {"load-time-grown", {}},
     {"registry", {}},
     {"narrow-index-bug", {FindingKind::wrong_outcome}},
     {"narrow-index-16-bug", {FindingKind::wrong_outcome}},
