@@ -20,8 +20,7 @@ class LoadTime_ {
  public:
   static constexpr std::string_view summary =
       "a spinlock in memory that was allocated at load time";
-  static constexpr Claims claims{.ordering = Ordering::fifo_real_time,
-                                 .survives_no_memory = false};
+  static constexpr Claims claims{.ordering = Ordering::fifo_real_time, .survives_no_memory = false};
 
   LoadTime_(unsigned /*workers*/, std::size_t /*capacity*/) { assert(!hub.block->busy.load()); }
 
