@@ -31,6 +31,12 @@ void Execution::begin_aged() {
     if (scenario_.module != nullptr) scenario_.module->restore(memory.globals);
   }
   if (memory.age == scenario_.age) return;
+  if (scenario_.module != nullptr && !scenario_.module->unseen_calls().empty()) {
+    // It may keep something elsewhere, which no copy of this memory puts back.
+    incomplete_ = "a queue that calls compiled code is not aged";
+    outcome_ = Outcome::cut;
+    return;
+  }
   phase_ = Phase::ageing;
   const std::function<void()> work = [this, &memory] {
     for (std::uint64_t n = memory.age; n < scenario_.age; ++n) {

@@ -23,13 +23,13 @@ namespace {
 /// to those that follow; what is left at last belongs to generated shapes.
 namespace until {
 constexpr double first_look = 0.03;  // for each shape
-constexpr double proofs = 0.5;
-constexpr double pos = 0.58;
-constexpr double bounded = 0.64;
-constexpr double pct = 0.7;
-constexpr double no_memory = 0.78;
-constexpr double aged = 0.88;
-constexpr double real_time = 0.94;
+constexpr double proofs = 0.6;
+constexpr double pos = 0.66;
+constexpr double bounded = 0.7;
+constexpr double pct = 0.75;
+constexpr double no_memory = 0.82;
+constexpr double aged = 0.9;
+constexpr double real_time = 0.95;
 constexpr double all = 1;
 }  // namespace until
 

@@ -102,7 +102,7 @@ void say(Origin origin, const QueueResult& all) {
 
 std::string verdict(std::string_view queue, const QueueResult& all) {
   std::map<std::string, Sum> sums;
-  std::vector<std::string> open;
+  std::map<std::string, std::vector<std::string>> open;  // by why
   std::size_t findings = 0;
   for (const ShapeResult& s : all.shapes) {
     findings += s.result.finding ? 1 : 0;
@@ -114,11 +114,9 @@ std::string verdict(std::string_view queue, const QueueResult& all) {
     const bool whole = s.result.finished && !s.result.finding;
     sum.whole += whole ? 1 : 0;
     sum.calls = std::max(sum.calls, calls_of(parse_shape(s.shape)));
-    if (!whole && !s.result.finding && s.origin != Origin::generated && s.origin != Origin::aged &&
-        open.size() < 200)
-      open.push_back(fmt::format("{}{} ({})", s.shape,
-                                 s.search == name_of(Search::exhaustive) ? "" : ", " + s.search,
-                                 why_not(s)));
+    if (!whole && !s.result.finding && s.origin != Origin::generated && s.origin != Origin::aged)
+      open[why_not(s)].push_back(
+          s.shape + (s.search == name_of(Search::exhaustive) ? "" : " (" + s.search + ")"));
   }
   std::vector<std::string> parts;
   const auto add = [&](std::string_view key, const std::string& what) {
@@ -143,12 +141,12 @@ std::string verdict(std::string_view queue, const QueueResult& all) {
   else
     text += fmt::format("Nothing is proved, for {}. Searched whole: {}.", all.unproved,
                         fmt::join(parts, ", "));
-  if (!open.empty()) {
-    constexpr std::size_t enough = 12;
-    const std::size_t more = open.size() - std::min(open.size(), enough);
-    open.resize(std::min(open.size(), enough));
-    text += fmt::format(" Not searched whole: {}{}.", fmt::join(open, "; "),
-                        more == 0 ? "" : fmt::format("; {} more", more));
+  for (auto& [why, shapes] : open) {
+    constexpr std::size_t enough = 8;
+    const std::size_t more = shapes.size() - std::min(shapes.size(), enough);
+    shapes.resize(shapes.size() - more);
+    text += fmt::format(" Not searched whole, for {}: {}{}.", why, fmt::join(shapes, ", "),
+                        more == 0 ? "" : fmt::format(" and {} more", more));
   }
   if (all.not_tried != 0)
     text += fmt::format(" {} more clients were not tried, for time.", all.not_tried);

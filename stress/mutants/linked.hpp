@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -91,6 +92,7 @@ struct Linked {
           continue;
         }
         T value = next->value;
+        if (bug != LinkedBug::delete_now) make_room(worker);
         constexpr auto move = bug == LinkedBug::acquire_head     ? std::memory_order_acquire
                               : bug == LinkedBug::scan_unordered ? std::memory_order_acq_rel
                                                                  : std::memory_order_seq_cst;
@@ -116,6 +118,7 @@ struct Linked {
       std::array<std::atomic<Node*>, 2> slots{};
       std::atomic<bool> active{false};
       std::vector<Node*> retired{};
+      std::vector<Node*> named{};  ///< what scans found, kept for its room
     };
 
     Node* protect(unsigned worker, std::size_t slot, const std::atomic<Node*>& source) {
@@ -135,13 +138,22 @@ struct Linked {
       if (bug == LinkedBug::scan_only_active) hazards_[worker].active = false;
     }
 
+    // For one more retired node and a scan, before anything has happened that no memory could not
+    // undo.
+    void make_room(unsigned worker) {
+      auto& retired = hazards_[worker].retired;
+      if (retired.size() == retired.capacity()) retired.reserve(2 * retired.size() + 4);
+      hazards_[worker].named.reserve(hazards_.size() * std::size(hazards_[worker].slots));
+    }
+
     void retire(unsigned worker, Node* node) {
       auto& retired = hazards_[worker].retired;
       retired.push_back(node);
       if (retired.size() % 4 != 0) return;
       constexpr auto order =
           bug == LinkedBug::scan_unordered ? std::memory_order_acquire : std::memory_order_seq_cst;
-      std::vector<Node*> named;
+      std::vector<Node*>& named = hazards_[worker].named;
+      named.clear();
       for (const Hazards& other : hazards_) {
         if (bug == LinkedBug::scan_only_active && !other.active) continue;
         for (const auto& slot : other.slots) named.push_back(slot.load(order));
