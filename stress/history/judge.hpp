@@ -18,8 +18,8 @@ struct Verdict {
   std::uint64_t pops = 0;
   std::uint64_t empties = 0;
   std::uint64_t fulls = 0;
-  /// Empties that happens-before refutes: a finding unless the claims let calls in flight, or others'
-  /// finds, excuse them.
+  /// Empties that happens-before refutes: a finding unless the claims let calls in flight, or
+  /// others' finds, excuse them.
   std::uint64_t refuted_empties = 0;
   std::optional<Relaxation> relaxation;  ///< for queues that claim no FIFO over all elements
 };
