@@ -52,6 +52,13 @@ Access access_to(const volatile T* object, int order, const void* pc) {
   return {address_of(object), sizeof(T), order_of(order), pc};
 }
 
+// Whether `object` is in a frame of the caller: there it is a register that the hook's signature
+// has put on the stack, and no access of the code.
+bool is_local(const volatile void* object) {
+  constexpr std::uintptr_t frames = 4096;
+  return address_of(object) - reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0)) < frames;
+}
+
 }  // namespace
 
 #define IRT_PC __builtin_return_address(0)
@@ -131,12 +138,13 @@ IRT_HOOK __tsan_atomic_signal_fence(int) {}
 #define IRT_COMPARE_EXCHANGE(bits, name, weak)                                                 \
   IRT_BODY int irt_vc_atomic##bits##_compare_exchange_##name(                                  \
       volatile u##bits* p, u##bits* expected, u##bits desired, int success, int failure) {     \
-    announce_read(expected, sizeof *expected, IRT_PC);                                         \
+    const bool shared = !is_local(expected);                                                   \
+    if (shared) announce_read(expected, sizeof *expected, IRT_PC);                             \
     Value seen = *expected;                                                                    \
     if (active->compare_exchange(access_to(p, success, IRT_PC), order_of(failure), weak, seen, \
                                  desired))                                                     \
       return 1;                                                                                \
-    announce_write(expected, sizeof *expected, IRT_PC);                                        \
+    if (shared) announce_write(expected, sizeof *expected, IRT_PC);                            \
     *expected = static_cast<u##bits>(seen);                                                    \
     return 0;                                                                                  \
   }                                                                                            \
