@@ -91,10 +91,19 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
     poppers.resize(main);
     std::iota(poppers.begin(), poppers.end(), 0U);
   }
+  // More than was pushed is wrong, and may have no end.
+  const auto pushes = static_cast<std::size_t>(
+      std::count_if(operations_.begin(), operations_.end(),
+                    [](const Operation& o) { return o.kind == Operation::Kind::push; }));
+  std::size_t popped = 0;
   for (bool found = true; found;) {
     found = false;
     for (const unsigned worker : poppers)
-      while (worker != stopped && pop(main, worker)) found = true;
+      while (worker != stopped && popped <= pushes && pop(main, worker)) {
+        found = true;
+        ++popped;
+      }
+    if (popped > pushes) return;
   }
 }
 
