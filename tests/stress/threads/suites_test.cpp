@@ -130,8 +130,11 @@ TEST(OnEmpty, LostWakeUpsAreFoundAndWaitingIsNoHang) {
     const auto test = [&](const QueueEntry& entry) {
       return claim_of(run_on(entry, scenario.name));
     };
-    EXPECT_EQ(test(queue_entry<NotifiedTwice<false>::Queue>("twice")).substr(0, 13),
-              "does not hang");
+    // Whether the two pushes meet is up to the processors, which may be busy.
+    std::string lost;
+    for (int tries = 0; tries < 5 && lost != "does not hang"; ++tries)
+      lost = test(queue_entry<NotifiedTwice<false>::Queue>("twice")).substr(0, 13);
+    EXPECT_EQ(lost, "does not hang");
     EXPECT_EQ(test(queue_entry<NotifiedTwice<true>::Queue>("once")), "nothing");
     EXPECT_EQ(test(queue_entry<Parking<ParkingBug::none>::Queue>("parking")), "nothing");
     EXPECT_EQ(test(queue_entry<EventCounted<true>::Queue>("counted")), "nothing");
