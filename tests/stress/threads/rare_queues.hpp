@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -12,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "queues/word.hpp"
 #include "queues/work_queue.hpp"
 #include "stress/scenarios/core.hpp"
 
@@ -89,60 +87,6 @@ struct Growing {
     }
     std::atomic_flag locked_;
     std::vector<T> held_;
-  };
-};
-
-/// Waiters stand in a line. Unless `leaves_at_once`, who is woken stays in it until it has run, and
-/// a second push wakes the same one.
-template <bool leaves_at_once>
-struct NotifiedTwice {
-  template <class T>
-  class Queue {
-   public:
-    static constexpr std::string_view summary = "a line of waiters; pop parks";
-    static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
-
-    Queue(unsigned /*workers*/, std::size_t /*capacity*/) {}
-    bool push(unsigned /*worker*/, T task) {
-      const std::lock_guard lock(mutex_);
-      if (word_of(task) == close_word) {
-        closed_ = true;
-        for (Waiter* waiter : line_) waiter->wake();
-        return true;
-      }
-      held_.push_back(task);
-      if (line_.empty()) return true;
-      line_.front()->wake();
-      if (leaves_at_once) line_.pop_front();
-      return true;
-    }
-    bool pop(unsigned /*worker*/, T& task) {
-      std::unique_lock lock(mutex_);
-      while (held_.empty() && !closed_) {
-        Waiter self;
-        line_.push_back(&self);
-        self.changed.wait(lock, [&] { return self.woken; });
-        std::erase(line_, &self);
-      }
-      if (held_.empty()) return false;
-      task = held_.front();
-      held_.pop_front();
-      return true;
-    }
-
-   private:
-    struct Waiter {
-      void wake() {
-        woken = true;
-        changed.notify_one();
-      }
-      bool woken = false;
-      std::condition_variable changed;
-    };
-    std::mutex mutex_;
-    std::deque<T> held_;
-    std::deque<Waiter*> line_;
-    bool closed_ = false;
   };
 };
 

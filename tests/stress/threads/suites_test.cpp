@@ -10,6 +10,7 @@
 #include "running.hpp"
 #include "stress/mutants/parking.hpp"
 #include "stress/threads/sanitizer.hpp"
+#include "tests/stress/cases/notified_twice.hpp"
 
 namespace irt::stress {
 namespace {
@@ -133,9 +134,9 @@ TEST(OnEmpty, LostWakeUpsAreFoundAndWaitingIsNoHang) {
     // Whether the two pushes meet is up to the processors, which may be busy.
     std::string lost;
     for (int tries = 0; tries < 5 && lost != "does not hang"; ++tries)
-      lost = test(queue_entry<NotifiedTwice<false>::Queue>("twice")).substr(0, 13);
+      lost = test(queue_entry<NotifiedTwiceBug>("twice")).substr(0, 13);
     EXPECT_EQ(lost, "does not hang");
-    EXPECT_EQ(test(queue_entry<NotifiedTwice<true>::Queue>("once")), "nothing");
+    EXPECT_EQ(test(queue_entry<NotifiedTwiceFixed>("once")), "nothing");
     EXPECT_EQ(test(queue_entry<Parking<ParkingBug::none>::Queue>("parking")), "nothing");
     EXPECT_EQ(test(queue_entry<EventCounted<true>::Queue>("counted")), "nothing");
     EXPECT_NE(test(queue_entry<Parking<ParkingBug::if_not_while>::Queue>("parking")), "nothing");
