@@ -1,4 +1,4 @@
-/// Queues whose fault shows only in long runs, after a failed allocation, or in who sleeps on.
+/// Queues whose fault shows only in long runs, or after a failed allocation.
 #pragma once
 
 #include <algorithm>
