@@ -3,18 +3,34 @@
 #include <atomic>
 #include <chrono>
 #include <fmt/format.h>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "stress/threads/allocator.hpp"
+#include "stress/threads/call.hpp"
+#include "stress/threads/low_water.hpp"
 #include "stress/threads/signals.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/team.hpp"
+#include "stress/threads/watchdog.hpp"
 
 namespace irt::stress {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::int64_t most_inside = 1'024;
+
+/// The queue fills up and is emptied again once in so many pushes.
+constexpr std::int64_t period = 4'096;
+/// The pushes of a period, the last, that find the queue all but empty.
+constexpr std::int64_t at_low_water = 64;
+
+/// Fewer pushes do not show a leak of one node in a thousand.
+constexpr std::int64_t fewest_pushes = 1 << 20;
+/// How much longer than told it may take until there are so many, or growth is decided.
+constexpr double patience = 20;  // seconds
 
 /// The bytes the process holds more than at the start, while two threads pass elements through the
 /// queue with at most `most_inside` of them inside.
@@ -28,113 +44,128 @@ class Churn {
         slots_(cast_.workers) {}
 
   void run() {
-    const Accounting accounting;
+    const Watchdog watchdog(slots_, hang_patience(), messenger_);
     Team team(cast_.workers, slots_.data());
-    const std::int64_t start = Accounting::live().bytes;
+    const Accounting accounting;
     const auto queue = assignment_.queue.make_word_queue(cast_.workers, most_inside);
     team.run([&](unsigned worker) { work(worker, *queue); });
-    tell(start);
+    tell();
   }
 
  private:
-  static constexpr std::int64_t most_inside = 1'024;
+  [[nodiscard]] std::int64_t inside() const {
+    return pushed_.load(std::memory_order_relaxed) - popped_.load(std::memory_order_relaxed);
+  }
 
-  struct Sample {
-    std::int64_t pushed;
-    std::int64_t bytes;
-  };
-
+  /// The first worker, who may push, says when it is over.
   void work(unsigned worker, ElementQueue& queue) {
-    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                        std::chrono::duration<double>(assignment_.seconds));
+    const auto start = Clock::now();
     const bool alone = cast_.pushes(worker) && cast_.pops(worker);
-    std::int64_t own_inside = 0;
     std::uint64_t sequence = 0;
-    for (std::uint64_t i = 0; i % 256 != 0 || Clock::now() < end; ++i) {
-      if (cast_.pushes(worker)) {
-        const std::int64_t inside = alone ? own_inside
-                                          : pushed_.load(std::memory_order_relaxed) -
-                                                popped_.load(std::memory_order_relaxed);
-        if (inside < most_inside &&
-            queue.push(worker, next_element(assignment_.queue.claims, worker, sequence))) {
-          ++sequence;
-          ++own_inside;
-          const std::int64_t pushed = pushed_.fetch_add(1, std::memory_order_relaxed) + 1;
-          if (worker == 0) sample(pushed);
-        } else if (!alone) {
-          std::this_thread::yield();
-        }
-      }
-      Element e = 0;
-      // Now and then the queue fills up, so that it must grow and shrink.
-      const bool due = !assignment_.pop_waits || pushed_.load() > popped_.load();
-      if (cast_.pops(worker) && due && (!alone || i % 4'096 >= 512)) {
-        if (queue.pop(worker, e)) {
-          --own_inside;
-          popped_.fetch_add(1, std::memory_order_relaxed);
-          if (alone && queue.pop(worker, e)) {
-            --own_inside;
-            popped_.fetch_add(1, std::memory_order_relaxed);
-          }
-        }
-      }
+    std::uint64_t idle = 0;
+    for (std::uint64_t i = 0; !over_.load(std::memory_order_relaxed); ++i) {
+      bool moved = cast_.pushes(worker) && push(worker, queue, sequence);
+      for (int twice = 0; cast_.pops(worker) && twice < 2; ++twice)
+        moved = pop(worker, queue) || moved;
+      if (!moved && !alone && ++idle % 64 == 0) std::this_thread::yield();
+      if (worker == 0 && i % 256 == 0) over_.store(enough(start), std::memory_order_relaxed);
     }
   }
 
-  /// Keeps some thousand samples, evenly spread over the run so far.
-  void sample(std::int64_t pushed) {
-    if (pushed < next_sample_) return;
-    if (samples_.size() == samples_.capacity()) {
-      for (std::size_t i = 0; 2 * i < samples_.size(); ++i) samples_[i] = samples_[2 * i];
-      samples_.resize(samples_.size() / 2);
-      sample_distance_ *= 2;
-      messenger_.progress(static_cast<std::uint64_t>(pushed));
+  /// Asked now and then by the first worker.
+  [[nodiscard]] bool enough(Clock::time_point start) {
+    const auto now = Clock::now();
+    const std::int64_t pushed = pushed_.load(std::memory_order_relaxed);
+    if (pushed != last_pushed_) {
+      last_pushed_ = pushed;
+      last_push_ = now;
     }
-    samples_.push_back({pushed, Accounting::live().bytes});
-    next_sample_ = pushed + sample_distance_;
+    const LowWater::Growth growth = keeps_all() ? LowWater::Growth::none : low_water_.growth();
+    const double passed = std::chrono::duration<double>(now - start).count();
+    if (passed < assignment_.seconds) return growth == LowWater::Growth::unbounded;
+    // A queue that has lost what the pusher waits for will not go on.
+    return growth == LowWater::Growth::unbounded || passed >= assignment_.seconds + patience ||
+           now - last_push_ > std::chrono::seconds(1) ||
+           (growth == LowWater::Growth::none && pushed >= fewest_pushes);
   }
 
-  void tell(std::int64_t start) {
-    messenger_.progress(static_cast<std::uint64_t>(pushed_.load()));
-    if (samples_.size() < 16) {
-      messenger_.limit("memory: too few elements passed through the queue to tell");
-      return;
-    }
-    std::int64_t peak = 0;
-    for (const Sample& s : samples_) peak = std::max(peak, s.bytes - start);
-    // Growth between the medians of the second and of the last quarter: what is set up on the way
-    // and what is batched does not count.
-    const auto median = [&](std::size_t from, std::size_t to) {
-      std::vector<std::int64_t> bytes;
-      for (std::size_t i = from; i < to; ++i) bytes.push_back(samples_[i].bytes);
-      std::nth_element(bytes.begin(), bytes.begin() + std::ssize(bytes) / 2, bytes.end());
-      return bytes[bytes.size() / 2];
-    };
-    const std::size_t quarter = samples_.size() / 4;
-    const std::int64_t growth = median(3 * quarter, 4 * quarter) - median(quarter, 2 * quarter);
-    const std::int64_t pushes = samples_[3 * quarter].pushed - samples_[quarter].pushed;
-    const double per_push = static_cast<double>(growth) / static_cast<double>(pushes);
-    messenger_.figure("peak_bytes", peak);
-    messenger_.figure("bytes_per_push", per_push);
-    // Eight bytes each, and not all places are taken all the time.
-    if (peak < most_inside * 6) {
-      messenger_.limit("memory: this queue's elements do not live in malloc's memory");
-      return;
-    }
-    messenger_.note(
-        fmt::format("{} elements passed, at most {} inside: high water {} bytes ({:.0f} "
-                    "per place), growth {:.3f} bytes per push",
-                    pushed_.load(), most_inside, peak, static_cast<double>(peak) / most_inside,
-                    std::max(0.0, per_push)));
-    const bool keeps = assignment_.queue.claims.reclamation == Reclamation::at_destruction;
-    if (per_push > 1 && !keeps) {
+  [[nodiscard]] bool keeps_all() const {
+    return assignment_.queue.claims.reclamation == Reclamation::at_destruction;
+  }
+
+  bool push(unsigned worker, ElementQueue& queue, std::uint64_t& sequence) {
+    const bool low = pushed_.load(std::memory_order_relaxed) % period >= period - at_low_water;
+    if (inside() >= (low ? 1 : most_inside)) return false;
+    const Element e = next_element(assignment_.queue.claims, worker, sequence);
+    const bool accepted = [&] {
+      const Call call(slots_[worker], Doing::push);
+      return queue.push(worker, e);
+    }();
+    refused_.store(!accepted, std::memory_order_relaxed);
+    if (!accepted) return false;
+    ++sequence;
+    const std::int64_t pushed = pushed_.fetch_add(1, std::memory_order_relaxed) + 1;
+    if (worker == 0 && (low || pushed % 64 == 0)) measure(pushed, low);
+    return true;
+  }
+
+  bool pop(unsigned worker, ElementQueue& queue) {
+    // While the queue fills up, nobody pops; unless it holds less than it should.
+    if (pushed_.load(std::memory_order_relaxed) % period < most_inside / 2 &&
+        inside() < most_inside / 2 && !refused_.load(std::memory_order_relaxed))
+      return false;
+    if (assignment_.pop_waits && inside() == 0) return false;
+    const Call call(slots_[worker], Doing::pop);
+    Element e = 0;
+    if (!queue.pop(worker, e)) return false;
+    popped_.fetch_add(1, std::memory_order_relaxed);
+    return true;
+  }
+
+  void measure(std::int64_t pushed, bool low) {
+    const std::int64_t held = Accounting::live().bytes;
+    peak_ = std::max(peak_, held);
+    if (low) low_water_.add(static_cast<std::uint64_t>(pushed), held);
+  }
+
+  void tell() {
+    messenger_.figure("peak_bytes", peak_);
+    const LowWater::Growth growth = keeps_all() ? LowWater::Growth::none : low_water_.growth();
+    if (growth == LowWater::Growth::unbounded) {
       messenger_.finding(
           {.claim = "reclaims memory",
-           .evidence = fmt::format("memory grew by {:.1f} bytes with every push, over "
-                                   "{} pushes, with at most {} elements inside",
-                                   per_push, pushes, most_inside),
+           .evidence = fmt::format("with next to nothing inside, never more than {} elements, it "
+                                   "held at least {}\n",
+                                   most_inside, held()),
            .repeat = assignment_.repeat});
+    } else if (pushed_ < fewest_pushes) {
+      messenger_.limit(
+          fmt::format("memory: {} elements passed through the queue, too few to tell (of {})",
+                      pushed_.load(), fewest_pushes));
+    } else if (peak_ < most_inside * 6) {  // eight bytes each, and not all places always taken
+      messenger_.limit("memory: this queue's elements do not live in malloc's memory");
+    } else {
+      messenger_.note(fmt::format(
+          "{} elements passed, at most {} inside: high water {} bytes ({:.0f} per place); all but "
+          "empty it held {}",
+          pushed_.load(), most_inside, peak_, static_cast<double>(peak_) / most_inside, held()));
+      if (growth == LowWater::Growth::undecided)
+        messenger_.limit(
+            fmt::format("memory: it grew with the pushes when the time was up; a large batch or "
+                        "cache looks the same until {} pushes: no verdict",
+                        LowWater::enough_pushes));
     }
+  }
+
+  /// Low water, in words.
+  [[nodiscard]] std::string held() const {
+    std::string text;
+    for (const LowWater::Mark& mark : low_water_.marks()) {
+      if (mark.pushes == 0) continue;
+      text += fmt::format("{}{} bytes from {} pushes on", text.empty() ? "" : ", ", mark.bytes,
+                          mark.pushes);
+    }
+    return text;
   }
 
   const Assignment& assignment_;
@@ -143,13 +174,13 @@ class Churn {
   std::vector<Slot> slots_;
   std::atomic<std::int64_t> pushed_{0};
   std::atomic<std::int64_t> popped_{0};
-  std::int64_t sample_distance_ = 64;
-  std::int64_t next_sample_ = 0;
-  std::vector<Sample> samples_ = [] {
-    std::vector<Sample> samples;
-    samples.reserve(1U << 12);
-    return samples;
-  }();
+  std::atomic<bool> refused_{false};  ///< the last push answered *full*
+  std::atomic<bool> over_{false};
+  // The first worker's:
+  Clock::time_point last_push_;
+  std::int64_t last_pushed_ = 0;
+  LowWater low_water_;
+  std::int64_t peak_ = 0;
 };
 
 }  // namespace
