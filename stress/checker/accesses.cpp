@@ -59,6 +59,7 @@ unsigned sleeper_count(Value sleepers) {
 void Execution::record(const Event& event, std::size_t choice) {
   if (phase_ != Phase::parallel) return;
   walk_ = 0;
+  check_time();
   steps_.push_back(
       {event.thread, static_cast<std::uint8_t>(event.kind), static_cast<std::uint16_t>(choice)});
   strategy_->added(*this, event);

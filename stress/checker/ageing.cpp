@@ -38,8 +38,13 @@ void Execution::begin_aged() {
     return;
   }
   phase_ = Phase::ageing;
-  const std::function<void()> work = [this, &memory] {
-    for (std::uint64_t n = memory.age; n < scenario_.age; ++n) {
+  std::uint64_t n = memory.age;
+  const std::function<void()> work = [this, &n] {
+    for (; n < scenario_.age; ++n) {
+      if (n % 16 == 0 && deadline_.passed()) {
+        out_of_time_ = true;
+        return;
+      }
       walk_ = 0;
       scenario_.grow_older(n);
       if (n % 256 == 0 && heap_.blocks().size() > most_blocks)
@@ -56,7 +61,8 @@ void Execution::begin_aged() {
     memory = {};
     return;
   }
-  memory.age = scenario_.age;
+  if (out_of_time_) outcome_ = Outcome::cut;
+  memory.age = n;
   heap_.settle();
   memory.heap = heap_.image();
   if (scenario_.module != nullptr) memory.globals = scenario_.module->image();

@@ -44,19 +44,26 @@ std::string trace_of(const Execution& execution) {
   return text;
 }
 
-/// Whether the same choices lead to the same execution, in a few samples.
-bool repeats(const Scenario& scenario, const Options& options) {
-  const auto trace = [&](std::uint64_t seed) {
+/// Whether the same choices lead to the same execution, in a few samples; none by `deadline`.
+std::optional<bool> repeats(const Scenario& scenario, const Options& options, Deadline deadline) {
+  const auto trace = [&](std::uint64_t seed) -> std::optional<std::string> {
     Execution execution(scenario, options.limits);
     execution.weaken(options.weakened);
+    execution.until(deadline);
     for (;;) {
       RandomWalk walk(seed, 0, 1);
       walk.begin();
-      if (execution.run(walk) != Outcome::restart) return trace_of(execution);
+      const Outcome outcome = execution.run(walk);
+      if (execution.out_of_time()) return std::nullopt;
+      if (outcome != Outcome::restart) return trace_of(execution);
     }
   };
-  for (std::uint64_t seed = 1; seed <= 3; ++seed)
-    if (trace(seed) != trace(seed)) return false;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto first = trace(seed);
+    const auto second = trace(seed);
+    if (!first || !second) return std::nullopt;
+    if (*first != *second) return false;
+  }
   return true;
 }
 
@@ -92,6 +99,10 @@ Result explore(const Options& options, Execution& execution) {
         return result;
       const Outcome outcome = execution.run(*strategy);
       ++made;
+      if (execution.out_of_time()) {
+        result.seconds = elapsed();
+        return result;
+      }
       if (strategy->differs()) {
         result.incomplete = executions_differ;
         result.seconds = elapsed();
@@ -130,15 +141,18 @@ Result explore(const Options& options, Execution& execution) {
 
 Result check(const Scenario& scenario, const Options& options) {
   const bool systematic = options.search == Search::exhaustive || options.search == Search::bounded;
+  const Deadline deadline(options.seconds);
   Result result;
-  if (systematic && !repeats(scenario, options)) {
-    result.incomplete = executions_differ;
-    return result;
+  if (systematic) {
+    const auto same = repeats(scenario, options, deadline);
+    if (same && !*same) result.incomplete = executions_differ;
+    if (!same || !*same) return result;
   }
   {
     Execution execution(scenario, options.limits);
     execution.weaken(options.weakened);
     execution.know(options.known);
+    execution.until(deadline);
     if (options.watch_orders) execution.watch_orders();
     result = explore(options, execution);
     result.order_sites = execution.order_sites();
@@ -146,7 +160,7 @@ Result check(const Scenario& scenario, const Options& options) {
   }
   if (scenario.histories) result.histories = scenario.histories();
   if (result.finding && repeat(scenario, options, result.schedule) == nullptr &&
-      !repeats(scenario, options)) {
+      repeats(scenario, options, {}) == false) {
     result.finding.reset();
     result.incomplete = executions_differ;
   }

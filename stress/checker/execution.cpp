@@ -40,7 +40,7 @@ Outcome Execution::run(Strategy& strategy) {
   heap_.clear();
   steps_.clear();
   finding_.reset();
-  froze_ = false;
+  froze_ = out_of_time_ = false;
   stores_ = walk_ = 0;
   failed_at_.clear();
   outcome_ = Outcome::complete;
@@ -138,6 +138,12 @@ void Execution::stop(Outcome outcome) {
   outcome_ = outcome;
   cores_.switch_to(host);
   std::abort();
+}
+
+void Execution::stop_in_time() {
+  if (!deadline_.passed()) return;
+  out_of_time_ = true;
+  stop(Outcome::cut);
 }
 
 bool Execution::knows(FindingKind kind, const std::vector<const void*>& places,

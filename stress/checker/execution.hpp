@@ -12,6 +12,7 @@
 
 #include "stress/checker/ageing.hpp"
 #include "stress/checker/cycle_watch.hpp"
+#include "stress/checker/deadline.hpp"
 #include "stress/checker/finding.hpp"
 #include "stress/checker/graph.hpp"
 #include "stress/checker/heap.hpp"
@@ -78,6 +79,11 @@ class Execution final : public virtual_cores::Tenant {
   Execution(const Scenario& scenario, const Limits& limits);
 
   Outcome run(Strategy& strategy);
+
+  /// Runs to come are cut when that time is there.
+  void until(Deadline deadline) { deadline_ = deadline; }
+  /// Whether the last run was.
+  [[nodiscard]] bool out_of_time() const { return out_of_time_; }
 
   [[nodiscard]] const std::optional<Finding>& finding() const { return finding_; }
   [[nodiscard]] const Graph& graph() const { return graph_; }
@@ -264,6 +270,10 @@ class Execution final : public virtual_cores::Tenant {
   template <class Decide, class NewValue>
   Value read_event(const Request& request, bool may_write, Decide decide, NewValue new_value);
 
+  void check_time() {
+    if ((++asked_for_time_ & 1023U) == 0) stop_in_time();
+  }
+  void stop_in_time();
   void begin_aged();
   void note_unwatched();
   void* allocate_unwatched(std::size_t size, std::size_t alignment, const void* pc);
@@ -334,6 +344,9 @@ class Execution final : public virtual_cores::Tenant {
   std::vector<Finding> known_;
   std::uint64_t stores_ = 0;
   std::uint64_t walk_ = 0;  ///< accesses to memory since the last event, or since the phase began
+  Deadline deadline_;
+  std::uint32_t asked_for_time_ = 0;
+  bool out_of_time_ = false;
   std::size_t assumed_waits_ = 0;
   std::string incomplete_;
   CycleWatch alone_;         ///< of the thread that runs alone

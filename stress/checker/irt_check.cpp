@@ -22,6 +22,9 @@ namespace {
 namespace checker = irt::checker;
 using nlohmann::json;
 
+/// --seconds where queues are aged by 2^32 pairs and nothing else is said.
+constexpr double seconds_for_old = 1200;
+
 struct CommandLine {
   std::string queue;
   std::string module;
@@ -248,8 +251,9 @@ int run(int argc, char** argv) {
                  "auto: exhaustive; where time runs out, bounded, pos and pct")
       ->check(CLI::IsMember({"auto", "exhaustive", "bounded", "random", "pct", "pos"}))
       ->capture_default_str();
-  app.add_option("--seconds", settings.seconds, "for all shapes and searches together")
-      ->capture_default_str();
+  const auto* seconds =
+      app.add_option("--seconds", settings.seconds, "for all shapes and searches together")
+          ->capture_default_str();
   app.add_option("--executions", settings.options.executions, "at most, for each shape and search");
   app.add_option("--budget", settings.options.budget,
                  "deviations of the bounded search: preemptions, stale reads, ...")
@@ -291,7 +295,9 @@ int run(int argc, char** argv) {
                  "instead of the battery, every client of at most so many calls")
       ->check(CLI::Range(1U, checker::most_calls));
   app.add_flag("--old", settings.old,
-               "age queues by nearly 2^32 pairs of a push and a pop, not 2^16: takes minutes");
+               fmt::format("age queues by nearly 2^32 pairs of a push and a pop, not 2^16, which "
+                           "takes minutes: --seconds is {} then",
+                           seconds_for_old));
   app.add_flag("--real-time", line.real_time,
                "order calls by a clock too (default: in a search of its own, if the queue claims "
                "fifo_real_time)");
@@ -309,6 +315,7 @@ int run(int argc, char** argv) {
     return 2;
   }
   settings.no_memory = failing->count() == 0;
+  if (settings.old && seconds->count() == 0) settings.seconds = seconds_for_old;
   if (!line.merge.empty()) return merge(line.merge);
   if (!line.mutants && line.queue.empty() && line.module.empty())
     usage_error(

@@ -233,6 +233,7 @@ void Execution::conclude_alone(bool endless, const void* pc) {
 // Called at each read of the only thread.
 void Execution::look_alone(const void* pc) {
   ++looks_;
+  check_time();
   if (virtual_cores::registers().stack_pointer != 0 &&
       alone_.repeats(hash_of_core() ^ reinterpret_cast<std::uintptr_t>(pc)))
     conclude_alone(true, pc);

@@ -74,6 +74,7 @@ void Execution::check_walk(std::uintptr_t address, std::size_t size, bool writes
   if (walk_ > longest_walk)
     give_up(
         fmt::format("an execution makes more than {} accesses between two steps", longest_walk));
+  check_time();
   if (writes) {
     if (!on_own_stack(address)) alone_.note_write(address, size);
     return;

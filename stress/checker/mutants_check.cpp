@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "stress/checker/queue_check.hpp"
+#include "stress/checker/verdict.hpp"
 
 namespace irt::checker {
 
@@ -90,7 +91,7 @@ Trial try_queue(const QueueEntry& queue, const std::vector<std::string>& shapes,
   for (const ShapeResult& shape : check_queue(queue, module, settings, "").shapes) {
     trial.seconds += shape.result.seconds;
     trial.executions += shape.result.executions;
-    if (shape.origin == Origin::battery && shape.search != "stalls")
+    if (shape.origin == Origin::battery && shape.search != stalls_search)
       trial.finished = trial.finished && shape.result.finished;
     if (!shape.result.finding) continue;
     trial.found = shape.result.finding->kind;

@@ -21,10 +21,12 @@ class Calm final : public RandomBase {
 }  // namespace
 
 ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
-                              unsigned schedules,
+                              unsigned schedules, double seconds,
                               const std::function<void(const Execution&)>& look) {
   ProgressResult result;
+  const Deadline deadline(seconds);
   Execution execution(scenario, limits);
+  execution.until(deadline);
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {
     bool reached = true;
     for (std::size_t step = 0; reached && step < limits.events_per_thread; ++step) {
@@ -35,6 +37,8 @@ ProgressResult check_progress(const Scenario& scenario, const Limits& limits, st
         strategy.begin();
         Outcome outcome = execution.run(strategy);
         while (outcome == Outcome::restart) outcome = execution.run(strategy);
+        result.incomplete = execution.incomplete();
+        if (execution.out_of_time() || deadline.passed()) return result;
         ++result.executions;
         reached = reached || execution.froze();
         if (outcome != Outcome::found || !execution.froze()) continue;
@@ -48,6 +52,7 @@ ProgressResult check_progress(const Scenario& scenario, const Limits& limits, st
       }
     }
   }
+  result.finished = result.incomplete.empty();
   return result;
 }
 

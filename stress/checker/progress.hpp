@@ -17,12 +17,14 @@ struct ProgressResult {
   unsigned thread = 0;      ///< that was stopped
   std::size_t stopped = 0;  ///< before this step of its own
   std::uint64_t executions = 0;
+  bool finished = false;     ///< each thread was stopped before each of its steps
+  std::string incomplete{};  ///< a limit that was reached, see Result
 };
 
-/// Stops each thread before each of its steps, with `schedules` random schedules for each. `look`
-/// gets the execution with the finding, if there is one.
+/// Stops each thread before each of its steps, with `schedules` random schedules for each, until
+/// `seconds` are over. `look` gets the execution with the finding, if there is one.
 ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
-                              unsigned schedules,
+                              unsigned schedules, double seconds,
                               const std::function<void(const Execution&)>& look = {});
 
 }  // namespace irt::checker

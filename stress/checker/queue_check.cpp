@@ -28,6 +28,7 @@ constexpr double pos = 0.66;
 constexpr double bounded = 0.7;
 constexpr double pct = 0.75;
 constexpr double no_memory = 0.82;
+constexpr double stalls = 0.86;
 constexpr double aged = 0.9;
 constexpr double real_time = 0.95;
 constexpr double all = 1;
@@ -96,8 +97,7 @@ class QueueCheck {
     search_all(open, Search::bounded, until::bounded);
     search_all(open, Search::pct, until::pct);
     search_without_memory();
-    for (const std::string& shape : shapes_to_stall())
-      if (!done()) add(searches_.stall(shape));
+    stop_threads();
     const bool chosen = !settings_.shapes.empty() || parks_;
     if (!chosen) search_aged();
     if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
@@ -109,7 +109,11 @@ class QueueCheck {
   }
 
   [[nodiscard]] bool done() const { return all_.found && !settings_.keep_going; }
-  [[nodiscard]] double left(double part) const { return part * settings_.seconds - elapsed(); }
+  /// Queues that are to be aged by 2^32 pairs need the most of the time for that.
+  [[nodiscard]] double left(double part) const {
+    if (settings_.old && part < until::aged) part *= 0.2;
+    return part * settings_.seconds - elapsed();
+  }
 
   /// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
   [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
@@ -135,7 +139,7 @@ class QueueCheck {
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
       ShapeResult shape{.shape = shapes[i], .search = label(kind)};
       const double share = left(part) / static_cast<double>(shapes.size() - i);
-      search(shape, kind, {.seconds = std::min(share, most_seconds_)});
+      if (left(until::all) > 0) search(shape, kind, {.seconds = std::min(share, most_seconds_)});
       if (shape.result.allocates) allocating_.insert(shapes[i]);
       if (most_seconds_ < share && !shape.result.finished && !shape.result.finding &&
           shape.result.incomplete.empty()) {
@@ -198,10 +202,17 @@ class QueueCheck {
     std::optional<ShapeResult> sampled;
     if (goes_on && !done()) {
       sampled = {.shape = shape.shape, .search = label(Search::pos), .origin = shape.origin};
-      search(*sampled, Search::pos, {.seconds = seconds, .executions = samples});
+      search(*sampled, Search::pos,
+             {.seconds = std::min(seconds, left(until::all)), .executions = samples});
     }
     add(std::move(shape));
     if (sampled) add(std::move(*sampled));
+  }
+
+  void stop_threads() {
+    const std::vector<std::string> shapes = shapes_to_stall();
+    for (std::size_t i = 0; i < shapes.size() && !done(); ++i)
+      add(searches_.stall(shapes[i], left(until::stalls) / static_cast<double>(shapes.size() - i)));
   }
 
   void search_aged() {

@@ -15,6 +15,8 @@ namespace irt::checker {
 
 namespace {
 
+using Stopwatch = std::chrono::steady_clock;
+
 std::string report_of(QueueClient& client, const Options& options, const Result& result,
                       virtual_cores::Module& module, const std::string& command) {
   Symbols symbols(module);
@@ -63,7 +65,6 @@ bool ShapeSearch::is_new(const Finding& finding) {
 
 void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bounds,
                          const std::function<void(ShapeResult)>& found) {
-  using Stopwatch = std::chrono::steady_clock;
   const auto start = Stopwatch::now();
   QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_, bounds.clocked,
                      aged_);
@@ -110,12 +111,13 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
   }
 }
 
-ShapeResult ShapeSearch::stall(const std::string& text) {
+ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
+  const auto start = Stopwatch::now();
   QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
-  ShapeResult shape{.shape = text, .search = "stalls"};
+  ShapeResult shape{.shape = text, .search = stalls_search};
   const ProgressResult stalls =
       check_progress(client.scenario(), settings_.options.limits, settings_.options.seed, 6,
-                     [&](const Execution& execution) {
+                     seconds, [&](const Execution& execution) {
                        if (!settings_.reports) return;
                        Symbols symbols(module_);
                        shape.report = fmt::format(
@@ -124,6 +126,9 @@ ShapeResult ShapeSearch::stall(const std::string& text) {
                            picture(execution, client.operations(), symbols));
                      });
   shape.result.executions = stalls.executions;
+  shape.result.seconds = std::chrono::duration<double>(Stopwatch::now() - start).count();
+  shape.result.finished = stalls.finished;
+  shape.result.incomplete = stalls.incomplete;
   shape.result.finding = stalls.finding;
   if (stalls.finding && !is_new(*stalls.finding) && settings_.keep_going) {
     shape.result.finding.reset();

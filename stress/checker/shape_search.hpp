@@ -35,8 +35,8 @@ class ShapeSearch {
   void search(ShapeResult& shape, Search kind, const SearchBounds& bounds,
               const std::function<void(ShapeResult)>& found);
 
-  /// Stops each thread of the shape before each of its steps.
-  ShapeResult stall(const std::string& shape);
+  /// Stops each thread of the shape before each of its steps, as far as `seconds` go.
+  ShapeResult stall(const std::string& shape, double seconds);
 
  private:
   bool is_new(const Finding& finding);

@@ -30,6 +30,20 @@ std::string words(const Sum& sum, std::string_view what) {
   return fmt::format("{} of {} {}", sum.whole, sum.shapes, what);
 }
 
+/// " Not searched whole, for time: E|D, ED|D and 3 more." for each reason.
+std::string sentences(std::string_view what,
+                      std::map<std::string, std::vector<std::string>>& by_reason) {
+  std::string text;
+  for (auto& [why, shapes] : by_reason) {
+    constexpr std::size_t enough = 8;
+    const std::size_t more = shapes.size() - std::min(shapes.size(), enough);
+    shapes.resize(shapes.size() - more);
+    text += fmt::format(" {}, for {}: {}{}.", what, why, fmt::join(shapes, ", "),
+                        more == 0 ? "" : fmt::format(" and {} more", more));
+  }
+  return text;
+}
+
 std::string why_not(const ShapeResult& shape) {
   return shape.result.incomplete.empty() ? "time" : shape.result.incomplete;
 }
@@ -66,6 +80,8 @@ void say(const ShapeResult& s) {
   std::string verdict = "nothing found" + estimate(r.executions, r.explored);
   if (r.finding)
     verdict = std::string(checker::name_of(r.finding->kind));
+  else if (s.search == stalls_search)
+    verdict = r.finished ? "nothing found" : "nothing found, and not finished: " + why_not(s);
   else if (r.finished && searched_whole(s))
     verdict = s.proved ? "proved" : "explored whole, not proved: " + s.unproved;
   else if (r.finished)
@@ -103,9 +119,12 @@ void say(Origin origin, const QueueResult& all) {
 std::string verdict(std::string_view queue, const QueueResult& all) {
   std::map<std::string, Sum> sums;
   std::map<std::string, std::vector<std::string>> open;  // by why
+  std::map<std::string, std::vector<std::string>> unstopped;
   std::size_t findings = 0;
   for (const ShapeResult& s : all.shapes) {
     findings += s.result.finding ? 1 : 0;
+    if (s.search == stalls_search && !s.result.finished && !s.result.finding)
+      unstopped[why_not(s)].push_back(s.shape);
     if (!searched_whole(s)) continue;
     std::string key = s.search;
     if (key == name_of(Search::exhaustive)) key = std::string(name_of(s.origin));
@@ -141,13 +160,8 @@ std::string verdict(std::string_view queue, const QueueResult& all) {
   else
     text += fmt::format("Nothing is proved, for {}. Searched whole: {}.", all.unproved,
                         fmt::join(parts, ", "));
-  for (auto& [why, shapes] : open) {
-    constexpr std::size_t enough = 8;
-    const std::size_t more = shapes.size() - std::min(shapes.size(), enough);
-    shapes.resize(shapes.size() - more);
-    text += fmt::format(" Not searched whole, for {}: {}{}.", why, fmt::join(shapes, ", "),
-                        more == 0 ? "" : fmt::format(" and {} more", more));
-  }
+  text += sentences("Not searched whole", open);
+  text += sentences("Threads were not stopped before each of their steps", unstopped);
   if (all.not_tried != 0)
     text += fmt::format(" {} more clients were not tried, for time.", all.not_tried);
   return text;

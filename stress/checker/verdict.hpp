@@ -11,6 +11,8 @@ namespace irt::checker {
 /// What the exhaustive search is called when a clock orders the calls, and when memory may run out.
 inline constexpr const char* timed_search = "real time";
 inline constexpr const char* poor_search = "no memory";
+/// Threads are stopped for good. No search for proofs.
+inline constexpr const char* stalls_search = "stalls";
 
 std::string_view name_of(Origin origin);
 

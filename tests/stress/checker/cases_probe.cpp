@@ -6,6 +6,7 @@
 #include "tests/stress/cases/healthy.hpp"
 #include "tests/stress/cases/load_time.hpp"
 #include "tests/stress/cases/many_sc.hpp"
+#include "tests/stress/cases/many_steps.hpp"
 #include "tests/stress/cases/narrow_index.hpp"
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/one_short.hpp"
@@ -43,6 +44,8 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::UnpublishedFixed>("unpublished-fixed"),
     irt::queue_entry<irt::Chase>("chase"),
     irt::queue_entry<irt::ManySc>("many-sc"),
+    irt::queue_entry<irt::ManySteps>("many-steps"),
+    irt::queue_entry<irt::FewSteps>("few-steps"),
     irt::queue_entry<irt::LoadTime>("load-time"),
     irt::queue_entry<irt::LoadTimeGrown>("load-time-grown"),
     irt::queue_entry<irt::TaggedTop>("tagged-top"),

@@ -105,7 +105,7 @@ TEST_F(Queues, faults_are_found_by_samples_whatever_the_seed) {
 TEST_F(Queues, a_stopped_producer_blocks_a_ring_and_no_linked_queue) {
   const auto stalls = [this](std::string_view queue) {
     checker::QueueClient client(entry(queue), checker::parse_shape("E|E|D"), 2, &module_);
-    return check_progress(client.scenario(), {}, 1, 6);
+    return check_progress(client.scenario(), {}, 1, 6, 60);
   };
   const checker::ProgressResult ring = stalls("boastful-ring");
   ASSERT_TRUE(ring.finding);

@@ -1,0 +1,24 @@
+/// The time by which a search is to be done.
+#pragma once
+
+#include <chrono>
+
+namespace irt::checker {
+
+class Deadline {
+ public:
+  /// Never.
+  Deadline() = default;
+  /// `seconds` from now on; none are left if that is not positive.
+  explicit Deadline(double seconds)
+      : end_(Clock::now() +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
+
+  [[nodiscard]] bool passed() const { return Clock::now() >= end_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point end_ = Clock::time_point::max();
+};
+
+}  // namespace irt::checker

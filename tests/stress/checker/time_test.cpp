@@ -1,0 +1,90 @@
+// A check ends when its time is up, whatever the queue does with it, and says what it left out.
+
+#include <chrono>
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "stress/checker/queue_check.hpp"
+#include "stress/checker/verdict.hpp"
+
+namespace irt::checker {
+namespace {
+
+class Time : public testing::Test {
+ protected:
+  const QueueEntry& entry(std::string_view name) {
+    unsigned count = 0;
+    const auto* entries =
+        module_.function<const QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
+    for (unsigned i = 0; i < count; ++i)
+      if (entries[i].name == name) return entries[i];
+    throw std::invalid_argument("no such case");
+  }
+
+  QueueResult check(std::string_view queue, CheckSettings settings) {
+    settings.quiet = true;
+    settings.reports = false;
+    const auto start = std::chrono::steady_clock::now();
+    QueueResult result = check_queue(entry(queue), module_, settings, "");
+    taken_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+
+  virtual_cores::Module module_{IRT_CASES_PROBE};
+  double taken_ = 0;  ///< seconds, by the last check
+};
+
+// Two seconds, and as much again for a machine that has other things to do.
+constexpr double late = 4;
+
+TEST_F(Time, bounds_what_stops_threads) {
+  for (const char* shape : {"E|D", "EE|DD"}) {
+    CheckSettings settings{.shapes = {shape}, .seconds = 3};
+    const QueueResult result = check("many-steps", settings);
+    EXPECT_LT(taken_, settings.seconds + late) << shape;
+    EXPECT_FALSE(result.found);
+    EXPECT_EQ(result.shapes.back().search, stalls_search);
+    EXPECT_FALSE(result.shapes.back().result.finished);
+    const std::string text = verdict("many-steps", result);
+    EXPECT_NE(text.find("Threads were not stopped before each of their steps, for time: " +
+                        std::string(shape) + "."),
+              std::string::npos)
+        << text;
+  }
+}
+
+TEST_F(Time, is_enough_for_what_is_short) {
+  const QueueResult result = check("few-steps", {.shapes = {"E|D"}, .seconds = 20});
+  EXPECT_EQ(result.shapes.back().search, stalls_search);
+  EXPECT_TRUE(result.shapes.back().result.finished);
+  const std::string text = verdict("", result);
+  EXPECT_EQ(text.find("stopped"), std::string::npos) << text;
+}
+
+TEST_F(Time, bounds_the_battery) {
+  CheckSettings settings{.seconds = 4};
+  const QueueResult result = check("many-steps", settings);
+  EXPECT_LT(taken_, settings.seconds + late);
+  for (const ShapeResult& shape : result.shapes)
+    EXPECT_TRUE(shape.result.finished || !shape.proved) << shape.shape;
+}
+
+TEST_F(Time, bounds_the_ageing_of_queues) {
+  CheckSettings settings{.seconds = 3};
+  settings.old = true;
+  const QueueResult result = check("narrow-index-fixed", settings);
+  EXPECT_LT(taken_, settings.seconds + late);
+  bool aged = false;
+  for (const ShapeResult& shape : result.shapes) {
+    if (shape.origin != Origin::aged) continue;
+    aged = true;
+    EXPECT_FALSE(shape.result.finished) << shape.shape << ": no machine is that fast";
+    EXPECT_FALSE(shape.proved) << shape.shape;
+  }
+  EXPECT_TRUE(aged);
+}
+
+}  // namespace
+}  // namespace irt::checker
