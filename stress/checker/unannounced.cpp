@@ -88,6 +88,11 @@ bool is_hook(const std::string& target) {
   return target.starts_with("__tsan_") && target.find("atomic") == std::string::npos;
 }
 
+/// A call that stands for one instruction (prelude.hpp), across which compilers move accesses.
+bool is_instruction(const std::string& target) {
+  return target.starts_with("irt_vc_cpu_");
+}
+
 /// How many bytes a hook announces; -1: rsi says it, 0: none.
 std::int64_t hooked_bytes(const std::string& target) {
   if (target.ends_with("_range")) return -1;
@@ -337,6 +342,11 @@ class Function {
   }
 
   void call(State& state, const Instruction& at) {
+    if (is_instruction(at.target)) {
+      for (const std::uint8_t r : {rax, rcx, rdx})
+        state.in[r] = names_.of("after", {0, static_cast<std::int64_t>(at.address)}, {}, r);
+      return;
+    }
     if (!is_hook(at.target)) {
       // The address of a thread's own variables stays what it is.
       const bool own = at.target.find("tls_get_addr") != std::string::npos;

@@ -74,6 +74,18 @@ TEST(Unannounced, is_what_no_hook_for_its_address_precedes) {
   EXPECT_EQ(found({function, "1100:\tmov    %rdi,%rbx", hook, "1115:\tcall   1040 <g@plt>",
                    "1120:\tmov    %rax,(%rbx)"}),
             Names{"mov"});
+  // An instruction that the runtime takes over looks like one; the clock is no call to a compiler.
+  for (const std::string instruction : {"clock", "pause", "random"}) {
+    const std::string stands_in = "1115:\tcall   1040 <irt_vc_cpu_" + instruction + "@plt>";
+    EXPECT_EQ(
+        found({function, "1100:\tmov    %rdi,%rbx", hook, stands_in, "1120:\tmov    %rax,(%rbx)"}),
+        Names{})
+        << instruction;
+    EXPECT_EQ(found({function, "1100:\tmov    %rdi,%rbx", hook, stands_in,
+                     "1120:\tmov    %rax,0x8(%rbx)"}),
+              Names{"mov"})
+        << instruction;
+  }
   // A read is announced, a write follows.
   EXPECT_EQ(found({function, "1100:\tmov    %rdi,%rbx", "1110:\tcall   1030 <__tsan_read8@plt>",
                    "1120:\tmov    %rax,(%rbx)"}),
