@@ -1,7 +1,6 @@
 #include "stress/checker/execution.hpp"
 
 #include <algorithm>
-#include <fmt/format.h>
 
 #include "stress/checker/leaks.hpp"
 
@@ -104,9 +103,6 @@ Outcome Execution::run(Strategy& strategy) {
       outcome_ = Outcome::found;
     }
   }
-  if (graph_.seq_cst_operations() > Graph::most_seq_cst && incomplete_.empty())
-    incomplete_ =
-        fmt::format("an execution makes more than {} seq_cst operations", Graph::most_seq_cst);
   if (outcome_ == Outcome::found && knows(finding_->kind, finding_->places, finding_->text)) {
     outcome_ = Outcome::cut;
     if (incomplete_.empty()) incomplete_ = "some executions end in what is reported already";

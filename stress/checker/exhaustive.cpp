@@ -179,7 +179,10 @@ void Exhaustive::added(Execution& execution, const Event& made) {
   }
   trace_.push_back(planned);
   events_.push_back(id);
-  if (last && current_.verify && !graph.seq_cst_order_exists()) {
+  // The last two are new to the rest of a plan: a store, and the read that reads it now.
+  if (last && current_.verify &&
+      !(graph.keeps_seq_cst_order(graph.event(*(events_.end() - 2))) &&
+        graph.keeps_seq_cst_order(event))) {
     cut_ = true;
     return;
   }

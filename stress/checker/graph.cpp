@@ -10,10 +10,12 @@ using virtual_cores::releases;
 void Graph::clear() {
   count_ = 0;
   location_count_ = 0;
-  seq_cst_.clear();
+  seq_cst_ = 0;
   for (ThreadClocks& thread : threads_) {
     thread.now = thread.causes = thread.released = thread.pending = Clock{};
     thread.events.clear();
+    thread.seq_cst.clear();
+    thread.seq_cst_fences.clear();
   }
 }
 
@@ -134,8 +136,10 @@ void Graph::complete(Event& event) {
   mine.causes = event.causes;
   mine.events.push_back(static_cast<EventId>(count_));
   if (event.order == Order::seq_cst && event.kind != EventKind::choice) {
-    event.node = static_cast<std::uint16_t>(seq_cst_.size());
-    seq_cst_.push_back(static_cast<EventId>(count_));
+    event.node = static_cast<std::uint16_t>(mine.seq_cst.size());
+    if (event.kind == EventKind::fence) mine.seq_cst_fences.push_back(event.node);
+    mine.seq_cst.push_back(static_cast<EventId>(count_));
+    ++seq_cst_;
   }
   ++count_;
 }

@@ -58,7 +58,7 @@ struct Event {
   bool settled = false;          ///< a read of which no other way is looked at
   bool silent = false;           ///< has its place in every order and synchronises with nothing
   std::uint16_t index = 0;       ///< in its thread, from 1
-  std::uint16_t node = no_node;  ///< among the seq_cst operations
+  std::uint16_t node = no_node;  ///< among the seq_cst operations of its thread
   std::uint32_t location = 0;    ///< of loads, stores and modifications
   EventId from = no_event;       ///< the store read
   std::uint32_t option = 0;      ///< what a choice chose
@@ -92,6 +92,8 @@ struct ThreadClocks {
   Clock released;  ///< by its last release fence
   Clock pending;   ///< what an acquire fence would acquire
   std::vector<EventId> events;
+  std::vector<EventId> seq_cst;               ///< seq_cst accesses and fences
+  std::vector<std::uint16_t> seq_cst_fences;  ///< the fences among them, by their numbers
 };
 
 class Graph {
@@ -125,11 +127,9 @@ class Graph {
   void finish_fence(Event& event);
   void finish_choice(Event& event, std::uint32_t option);
 
-  /// Whether a total order of the seq_cst operations exists. Not if there are more than
-  /// `most_seq_cst`: nobody looks for one among so many.
-  [[nodiscard]] bool seq_cst_order_exists() const;
-  static constexpr std::size_t most_seq_cst = 4096;
-  [[nodiscard]] std::size_t seq_cst_operations() const { return seq_cst_.size(); }
+  /// Whether a total order of the seq_cst operations exists with `event`, if one exists without it
+  /// and nothing that happens after it.
+  [[nodiscard]] bool keeps_seq_cst_order(const Event& event) const;
   /// Whether one exists if `event`, not yet completed, reads (or also writes after) the store at
   /// `place`.
   bool allows_read(Event& event, std::uint32_t location, std::size_t place, bool modifies);
@@ -173,7 +173,7 @@ class Graph {
   std::vector<Location> locations_;
   std::size_t location_count_ = 0;
   std::vector<ThreadClocks> threads_;
-  std::vector<EventId> seq_cst_;  ///< seq_cst accesses and fences
+  std::size_t seq_cst_ = 0;  ///< accesses and fences of that order
 };
 
 }  // namespace irt::checker

@@ -10,6 +10,7 @@
 #include "tests/stress/cases/narrow_index.hpp"
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/one_short.hpp"
+#include "tests/stress/cases/patient.hpp"
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
 #include "tests/stress/cases/tagged_registry.hpp"
@@ -46,6 +47,7 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::ManySc>("many-sc"),
     irt::queue_entry<irt::ManySteps>("many-steps"),
     irt::queue_entry<irt::FewSteps>("few-steps"),
+    irt::queue_entry<irt::Patient>("patient"),
     irt::queue_entry<irt::LoadTime>("load-time"),
     irt::queue_entry<irt::LoadTimeGrown>("load-time-grown"),
     irt::queue_entry<irt::TaggedTop>("tagged-top"),
