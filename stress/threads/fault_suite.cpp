@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "stress/threads/allocator.hpp"
+#include "stress/threads/call.hpp"
 #include "stress/threads/signals.hpp"
-#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/watchdog.hpp"
 
@@ -91,17 +91,12 @@ class FaultRun {
   /// An operation that the watchdog sees.
   template <class Operation>
   Reply call(Doing method, const Operation& operation) {
-    Reply reply = Reply::no_memory;
-    slot_.base.store(own_stack_pointer(), std::memory_order_relaxed);
-    slot_.doing.store(method, std::memory_order_relaxed);
+    const Call call(slot_, method);
     try {
-      reply = operation() ? Reply::yes : Reply::no;
+      return operation() ? Reply::yes : Reply::no;
     } catch (const std::bad_alloc&) {
-      // Refused; what it did all the same comes to light.
+      return Reply::no_memory;  // refused; what it did all the same comes to light
     }
-    slot_.doing.store(Doing::nothing, std::memory_order_relaxed);
-    slot_.done.store(slot_.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-    return reply;
   }
 
   const char* pop(ElementQueue& queue, unsigned worker) {

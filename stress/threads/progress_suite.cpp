@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "stress/history/specification.hpp"
+#include "stress/threads/call.hpp"
 #include "stress/threads/kernel_view.hpp"
 #include "stress/threads/signals.hpp"
-#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/team.hpp"
 
@@ -98,25 +98,18 @@ class ProgressRun {
  private:
   /// Whether the queue took, or gave, an element.
   bool call(unsigned worker, Doing method) {
-    Slot& slot = slots_[worker];
-    bool moved = false;
-    slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
-    slot.doing.store(method, std::memory_order_relaxed);
+    const Call call(slots_[worker], method);
     if (method == Doing::push) {
-      moved =
-          queue_->push(worker, next_element(assignment_.queue.claims, worker, sequences_[worker]));
-      if (moved) {
-        ++sequences_[worker];
-        inside_.fetch_add(1, std::memory_order_relaxed);
-      }
-    } else {
-      Element e = 0;
-      moved = queue_->pop(worker, e);
-      if (moved) inside_.fetch_sub(1, std::memory_order_relaxed);
+      if (!queue_->push(worker, next_element(assignment_.queue.claims, worker, sequences_[worker])))
+        return false;
+      ++sequences_[worker];
+      inside_.fetch_add(1, std::memory_order_relaxed);
+      return true;
     }
-    slot.doing.store(Doing::nothing, std::memory_order_relaxed);
-    slot.done.store(slot.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-    return moved;
+    Element e = 0;
+    if (!queue_->pop(worker, e)) return false;
+    inside_.fetch_sub(1, std::memory_order_relaxed);
+    return true;
   }
 
   void use(unsigned worker) {

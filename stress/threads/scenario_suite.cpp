@@ -6,9 +6,10 @@
 #include <thread>
 
 #include "stress/history/judge.hpp"
+#include "stress/threads/call.hpp"
+#include "stress/threads/interrupter.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/signals.hpp"
-#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/thread_core.hpp"
 #include "stress/threads/watchdog.hpp"
@@ -18,25 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::uint64_t mix_seed(std::uint64_t seed, std::uint64_t round) {
-  std::uint64_t z = seed * 0x9e3779b97f4a7c15U + round;
-  z = (z ^ (z >> 31)) * 0xd6e8feb86659fd93U;
-  return z ^ (z >> 32);
-}
-
 /// How many elements have gone through the queue, one by one, before a round starts: mostly none,
 /// else so many that counters of 8 or 16 bits wrap while it lasts.
 std::uint64_t round_age(std::uint64_t dice) {
-  const std::uint64_t before = dice / 16 % 12;
-  switch (dice % 16) {
-    case 0:
-    case 1:
-      return (1U << 8) - before;
-    case 2:
-      return sanitizer == Sanitizer::none ? (1U << 16) - before : 0;
-    default:
-      return 0;
-  }
+  const std::uint64_t before = dice / 64 % 12;
+  if (dice % 64 < 8) return (1U << 8) - before;
+  // Growing so old takes as long as some hundred rounds.
+  if (dice % 64 == 8 && sanitizer == Sanitizer::none) return (1U << 16) - before;
+  return 0;
 }
 
 /// The capacity of a round: every second time the scenario's own, else a small one or one that is
@@ -46,52 +36,26 @@ std::size_t round_capacity(std::uint64_t dice, std::size_t own) {
   return dice % 2 == 0 ? own : others.at(dice / 2 % others.size());
 }
 
-/// Puts random threads to sleep at random moments, for as long as it lives.
-class Interrupter {
- public:
-  Interrupter(std::vector<Slot>& slots, std::uint64_t seed)
-      : thread_([this, &slots, seed] { disturb(slots, seed); }) {}
-  Interrupter(const Interrupter&) = delete;
-  Interrupter& operator=(const Interrupter&) = delete;
-  ~Interrupter() { thread_.join(); }
-
-  void set_active(bool active) { active_.store(active, std::memory_order_relaxed); }
-  void stop() { stop_.store(true, std::memory_order_relaxed); }
-
- private:
-  void disturb(std::vector<Slot>& slots, std::uint64_t seed) {
-    std::uint64_t random = seed;
-    while (!stop_.load(std::memory_order_relaxed)) {
-      random = mix_seed(random, 1);
-      if (active_.load(std::memory_order_relaxed)) {
-        stall(slots[random % slots.size()], 1'000 + (random >> 20) % 200'000);
-      }
-      std::this_thread::sleep_for(std::chrono::microseconds(10 + (random >> 40) % 60));
-    }
-  }
-
-  std::atomic<bool> active_{false};
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
-
 /// How many operations each thread of a round makes: mostly few, from a common start, because most
-/// bugs need few; sometimes many, for what must wrap, grow or be reclaimed first.
+/// bugs need few; sometimes many, for what must wrap, grow or be reclaimed first. In time, each
+/// kind has about a third.
 std::uint64_t round_size(std::uint64_t dice, unsigned workers) {
   const std::uint64_t slow = sanitizer == Sanitizer::none ? 1 : 4;
-  switch (dice % 8) {
+  const std::uint64_t size = dice / 64;
+  switch (dice % 64) {
     case 0:
-      return 2 + dice / 8 % 4;
+      return (workers > 6 ? 4'000 : 20'000) / slow;
     case 1:
     case 2:
     case 3:
-      return 4 + dice / 8 % 28;
     case 4:
     case 5:
     case 6:
-      return (200 + dice / 8 % 1'800) / slow;
+    case 7:
+    case 8:
+      return (200 + size % 1'800) / slow;
     default:
-      return (workers > 6 ? 4'000 : 20'000) / slow;
+      return size % 3 == 0 ? 2 + size / 3 % 4 : 4 + size / 3 % 28;
   }
 }
 
@@ -107,7 +71,7 @@ class ScenarioRunner {
         team_(cast_.workers, slots_.data()),
         interrupter_(slots_, assignment.seed) {}
 
-  ~ScenarioRunner() { interrupter_.stop(); }
+  ~ScenarioRunner() = default;
   ScenarioRunner(const ScenarioRunner&) = delete;
   ScenarioRunner& operator=(const ScenarioRunner&) = delete;
 
@@ -160,8 +124,10 @@ class ScenarioRunner {
   void prepare(std::uint64_t seed) {
     capacity_ = round_capacity(mix_seed(seed, 101), scenario_.capacity);
     age_ = round_age(mix_seed(seed, 102));
+    // A thread that only comes and goes shows nothing.
+    const std::uint64_t size = round_size(seed >> 32, cast_.workers);
     const std::uint64_t operations =
-        std::max<std::uint64_t>(2, round_size(seed >> 32, cast_.workers) / scenario_.generations);
+        std::max(std::min<std::uint64_t>(size, 32), size / scenario_.generations);
     for (unsigned worker = 0; worker < cast_.workers; ++worker) {
       WorkerState& state = states_[worker];
       state = {.worker = worker,
@@ -184,22 +150,20 @@ class ScenarioRunner {
   /// Sends elements through the queue, each alone in it. None is left inside when it returns.
   void age(ElementQueue& queue) {
     const bool own = assignment_.queue.claims.consumers == Callers::own_worker;
-    Slot& slot = slots_.back();
-    slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
     for (std::uint64_t i = 0, sequence = 0; i < age_; ++i, ++sequence) {
       const auto pusher = static_cast<unsigned>(i % cast_.pushers);
       const Element pushed = next_element(assignment_.queue.claims, pusher, sequence);
-      slot.doing.store(Doing::push, std::memory_order_relaxed);
-      const bool accepted = queue.push(pusher, pushed);
-      slot.doing.store(Doing::pop, std::memory_order_relaxed);
+      const bool accepted = [&] {
+        const Call call(slots_.back(), Doing::push);
+        return queue.push(pusher, pushed);
+      }();
       Element popped = no_element;
       bool found = false;
       for (unsigned p = 0; accepted && !found && p < (own ? 1 : cast_.poppers); ++p) {
         const auto popper = cast_.workers - 1 - static_cast<unsigned>((i + p) % cast_.poppers);
+        const Call call(slots_.back(), Doing::pop);
         found = queue.pop(own ? pusher : popper, popped);
       }
-      slot.doing.store(Doing::nothing, std::memory_order_relaxed);
-      slot.done.store(slot.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       if (!accepted)
         throw Complaint(
             fmt::format("push number {} answered full, alone with an empty queue\n", i));

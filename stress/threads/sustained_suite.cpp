@@ -1,6 +1,7 @@
 // As hard as the benchmarks: threads push and pop without a pause, without clocks and without logs.
 // Each adds up what it moved; again and again all stand still, and the sums must agree with what is
-// inside.
+// inside. Half of the time, some are put to sleep in the middle of an operation, while others go
+// round the queue.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -11,8 +12,11 @@
 #include <thread>
 #include <vector>
 
+#include "stress/history/specification.hpp"
+#include "stress/history/violation.hpp"
+#include "stress/threads/call.hpp"
+#include "stress/threads/interrupter.hpp"
 #include "stress/threads/signals.hpp"
-#include "stress/threads/standing.hpp"
 #include "stress/threads/suites.hpp"
 #include "stress/threads/team.hpp"
 #include "stress/threads/watchdog.hpp"
@@ -22,13 +26,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-enum class Pattern : std::uint8_t { pairs, exchange, bursts, sides };
+enum class Traffic : std::uint8_t { pairs, exchange, bursts, sides };
 
-std::string_view name(Pattern pattern) {
+std::string_view name(Traffic traffic) {
   constexpr std::array<std::string_view, 4> names{
       "each thread pushes one and pops one", "each thread pops one and pushes one, half full",
       "each thread pushes up to 64 and pops as many", "threads push or pop as fast as they can"};
-  return names.at(static_cast<std::size_t>(pattern));
+  return names.at(static_cast<std::size_t>(traffic));
 }
 
 /// Elements as sums: equal multisets have equal sums, and one element that is missing is their
@@ -66,22 +70,19 @@ struct alignas(128) Account {
 /// One queue, used for some phases.
 class Life {
  public:
-  Life(const Assignment& assignment, const Cast& cast, std::size_t capacity, Pattern pattern,
+  Life(const Assignment& assignment, const Cast& cast, std::size_t capacity, Traffic traffic,
        std::vector<Slot>& slots, std::uint64_t seed)
       : claims_(assignment.queue.claims),
         cast_(cast),
         capacity_(capacity),
-        pattern_(pattern),
+        traffic_(traffic),
         slots_(slots),
         random_(seed),
         most_work_(seed % 3 == 0 ? 0 : 100 << seed % 3),
         accounts_(cast.workers),
         queue_(assignment.queue.make_word_queue(cast.workers, capacity)) {
     for (Account& account : accounts_) account.first_free.resize(cast.workers);
-    if (pattern == Pattern::exchange) {
-      for (std::size_t i = 0; i < capacity / 2; ++i)
-        push(static_cast<unsigned>(i) % cast.pushers, slots_.back());
-    }
+    fill(first_inside());
   }
 
   /// Every worker's part of a phase that lasts until `end`.
@@ -91,12 +92,12 @@ class Life {
     Slot& slot = slots_[worker];
     std::uint64_t random = random_ + worker;
     for (unsigned turn = 0; turn % 64 != 0 || Clock::now() < end; ++turn) {
-      switch (pattern_) {
-        case Pattern::bursts:
+      switch (traffic_) {
+        case Traffic::bursts:
           for (int i = 0; pushes && i < 64 && push(worker, slot); ++i) rest(random);
           for (int i = 0; pops && i < 64 && pop(worker, slot); ++i) rest(random);
           break;
-        case Pattern::exchange:
+        case Traffic::exchange:
           if (pops) pop(worker, slot);
           rest(random);
           if (pushes) push(worker, slot);
@@ -112,21 +113,35 @@ class Life {
   }
 
   /// While all stand still. Empties the queue, on behalf of everybody who may pop, and compares;
-  /// the evidence, if something does not agree. Puts nothing back.
+  /// fills it up, and leaves inside what a life starts with.
   std::optional<Finding> count() {
-    const std::uint64_t before = total(&Account::popped).count;
     const Sums pushed = total(&Account::pushed);
+    const std::uint64_t before = total(&Account::popped).count;
     std::uint64_t left = pushed.count + 1'000 - std::min(before, pushed.count);
+    std::optional<unsigned> denied;  // a worker who found nothing before others found something
+    bool false_empty = false;
     for (bool found = true; found && left > 0;) {
       found = false;
       for (unsigned worker = 0; worker < cast_.workers; ++worker) {
-        while (left > 0 && cast_.pops(worker) && pop(worker, slots_.back())) {
+        if (!cast_.pops(worker)) continue;
+        for (; left > 0 && pop(worker, slots_.back()); --left) {
           found = true;
-          --left;
+          false_empty = false_empty || denied;
         }
+        denied = worker;
       }
     }
-    return judge(pushed, total(&Account::popped));
+    if (std::optional<Finding> broken = judge(pushed, total(&Account::popped))) return broken;
+    const Specification specification(claims_, capacity_);
+    if (false_empty && specification.empty() != Answer::this_worker &&
+        claims_.consumers != Callers::own_worker)
+      return Finding{std::string(promise(Pattern::witness)),
+                     "with all others at rest a pop answered empty; then another worker's found "
+                     "something\n",
+                     {}};
+    if (claims_.bounded) return fill_up();
+    fill(first_inside());
+    return std::nullopt;
   }
 
   /// Whether more came out than went in.
@@ -147,6 +162,33 @@ class Life {
   }
 
  private:
+  /// How many elements are inside from the beginning.
+  [[nodiscard]] std::size_t first_inside() const {
+    return traffic_ == Traffic::exchange ? capacity_ / 2 : 0;
+  }
+
+  /// Pushes so many, on behalf of all who may; how many were accepted.
+  std::size_t fill(std::size_t elements) {
+    std::size_t accepted = 0;
+    for (std::size_t i = 0; i < elements; ++i)
+      accepted += push(static_cast<unsigned>(i) % cast_.pushers, slots_.back()) ? 1 : 0;
+    return accepted;
+  }
+
+  /// Of an empty queue with a bound: as many as it was made for must find a place.
+  std::optional<Finding> fill_up() {
+    const std::size_t accepted = fill(capacity_);
+    if (accepted < capacity_)
+      return Finding{std::string(promise(Pattern::full)),
+                     fmt::format("with all others at rest, an empty queue took {} elements of {}\n",
+                                 accepted, capacity_),
+                     {}};
+    std::size_t left = capacity_ - first_inside();
+    for (unsigned worker = 0; worker < cast_.workers; ++worker)
+      while (left > 0 && cast_.pops(worker) && pop(worker, slots_.back())) --left;
+    return std::nullopt;
+  }
+
   /// What a program does between its operations: at full speed, threads seldom meet, for each
   /// keeps the cache line while it has a processor.
   void rest(std::uint64_t& random) const {
@@ -158,9 +200,10 @@ class Life {
   bool push(unsigned worker, Slot& slot) {
     Account& account = accounts_[worker];
     const Element e = next_element(claims_, worker, account.next);
-    enter(slot, Doing::push);
-    const bool accepted = queue_->push(worker, e);
-    leave(slot);
+    const bool accepted = [&] {
+      const Call call(slot, Doing::push);
+      return queue_->push(worker, e);
+    }();
     if (accepted) {
       account.pushed.add(e);
       ++account.next;
@@ -173,9 +216,10 @@ class Life {
   bool pop(unsigned worker, Slot& slot) {
     Account& account = accounts_[worker];
     Element e = 0;
-    enter(slot, Doing::pop);
-    const bool found = queue_->pop(worker, e);
-    leave(slot);
+    const bool found = [&] {
+      const Call call(slot, Doing::pop);
+      return queue_->pop(worker, e);
+    }();
     if (!found) return false;
     account.popped.add(e);
     const std::uint64_t producer = e >> sequence_bits;
@@ -187,15 +231,6 @@ class Life {
     if (sequence_of(e) < first_free && !account.out_of_order) account.out_of_order = e;
     first_free = std::max(first_free, sequence_of(e) + 1);
     return true;
-  }
-
-  static void enter(Slot& slot, Doing method) {
-    slot.base.store(own_stack_pointer(), std::memory_order_relaxed);
-    slot.doing.store(method, std::memory_order_relaxed);
-  }
-  static void leave(Slot& slot) {
-    slot.doing.store(Doing::nothing, std::memory_order_relaxed);
-    slot.done.store(slot.done.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
 
   /// Whether one producer's elements come to one consumer in order.
@@ -244,7 +279,7 @@ class Life {
   const Claims& claims_;
   Cast cast_;
   std::size_t capacity_;
-  Pattern pattern_;
+  Traffic traffic_;
   std::vector<Slot>& slots_;
   std::uint64_t random_;
   std::uint64_t most_work_;  ///< steps of an empty loop between two operations
@@ -266,13 +301,14 @@ class Sustained {
         slots_(cast_.workers + 1),
         watchdog_(slots_, hang_patience(), messenger),
         team_(cast_.workers, slots_.data()),
+        interrupter_(slots_, assignment.seed),
         random_(assignment.seed * 2 + threads) {}
 
   std::optional<Finding> run(double seconds) {
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(seconds));
     for (unsigned number = 0; Clock::now() < end; ++number) {
-      if (auto found = live(number, std::min(end, Clock::now() + std::chrono::milliseconds(400))))
+      if (auto found = live(number, std::min(end, Clock::now() + std::chrono::milliseconds(250))))
         return found;
     }
     return std::nullopt;
@@ -292,19 +328,22 @@ class Sustained {
   }
 
   std::optional<Finding> live(unsigned number, Clock::time_point end) {
-    constexpr std::array<std::size_t, 8> capacities{1024, 64, 100, 2, 1024, 5, 256, 3};
+    // Most of them small, so that rings go round; one so large that segments follow each other.
+    constexpr std::array<std::size_t, 9> capacities{1024, 1 << 16, 100, 2, 64, 5, 256, 3, 1024};
     const std::size_t capacity = capacities.at(number % capacities.size());
-    const auto pattern = static_cast<Pattern>(number % 3);
-    const Pattern used = together(assignment_) ? pattern : Pattern::sides;
+    const Traffic used = together(assignment_) ? static_cast<Traffic>(number % 4) : Traffic::sides;
+    const bool stalls = next() % 2 == 0;
     const Presence presence(slots_.back());
     Life life(assignment_, cast_, capacity, used, slots_, next());
     std::optional<Finding> found;
     do {
-      // From a tenth of a millisecond to a fifth of a second: a thread that loses its processor
+      // From a tenth of a millisecond to a tenth of a second: a thread that loses its processor
       // in an operation is to find that others have gone round the queue a hundred times.
-      const auto phase = std::chrono::microseconds(std::uint64_t{100} << next() % 12);
+      const auto phase = std::chrono::microseconds(std::uint64_t{100} << next() % 11);
       const auto stop = std::min(Clock::now() + phase, end);
+      interrupter_.set_active(stalls);
       team_.run([&](unsigned worker) { life.work(worker, stop); });
+      interrupter_.set_active(false);
       ++points_;
       // Not always: what stays inside is carried over, and may be what matters.
       found = life.overdrawn() || next() % 4 == 0 ? life.count() : life.look();
@@ -312,8 +351,8 @@ class Sustained {
     } while (Clock::now() < end);
     if (!found) found = life.count();
     if (!found) return found;
-    found->evidence += fmt::format("{} threads ({}), capacity {}, in phase {}\n", cast_.workers,
-                                   name(used), capacity, points_);
+    found->evidence += fmt::format("{} threads ({}{}), capacity {}, in phase {}\n", cast_.workers,
+                                   name(used), stalls ? ", stalls" : "", capacity, points_);
     found->repeat = assignment_.repeat;
     return found;
   }
@@ -323,6 +362,7 @@ class Sustained {
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that counts
   Watchdog watchdog_;
   Team team_;
+  Interrupter interrupter_;
   std::uint64_t random_;
   std::uint64_t points_ = 0;
 };

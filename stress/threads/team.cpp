@@ -16,7 +16,7 @@ bool Gate::pass() {
   // (3) acquire: pairs with the release store (2)
   for (unsigned spins = 0; round_.load(std::memory_order_acquire) == round; ++spins) {
     if (abandoned_.load(std::memory_order_relaxed)) return false;
-    if (spins > 200) std::this_thread::yield();
+    if (spins % 256 == 255) std::this_thread::yield();
   }
   return true;
 }

@@ -48,6 +48,41 @@ struct Rare {
   };
 };
 
+/// A deque under a lock, with a bound. One defect: `loses_places` forgets a place now and then,
+/// `loses_deep` an element where ten thousand are inside.
+enum class Bounded { sound, loses_places, loses_deep };
+template <Bounded kind>
+struct WithBound {
+  template <class T>
+  class Queue {
+   public:
+    static constexpr std::string_view summary = "a bounded deque under a lock";
+    static constexpr Claims claims{.ordering = Ordering::fifo_real_time, .bounded = true};
+
+    Queue(unsigned /*workers*/, std::size_t capacity) : places_(capacity) {}
+    bool push(unsigned /*worker*/, T task) {
+      const std::lock_guard lock(mutex_);
+      if (held_.size() >= places_) return false;
+      if (kind != Bounded::loses_deep || held_.size() != 10'000) held_.push_back(task);
+      return true;
+    }
+    bool pop(unsigned /*worker*/, T& task) {
+      const std::lock_guard lock(mutex_);
+      if (held_.empty()) return false;
+      task = held_.front();
+      held_.pop_front();
+      if (kind == Bounded::loses_places && ++popped_ % 50'000 == 0 && places_ > 1) --places_;
+      return true;
+    }
+
+   private:
+    std::mutex mutex_;
+    std::deque<T> held_;
+    std::size_t places_;
+    std::uint64_t popped_ = 0;
+  };
+};
+
 /// A vector under a spinning lock that is full again and again; `keeps` leaves the lock locked when
 /// there is no memory for a larger one.
 template <bool keeps>

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "../cases/answers.hpp"
 #include "../cases/narrow_index.hpp"
 #include "broken_queues.hpp"
 #include "fenced_ring.hpp"
@@ -115,6 +116,19 @@ TEST(SustainedSuite, CountsWhatIsLostAndDoubled) {
   const Result healthy = run(broken_entry<Defect::none>(), 1, run_sustained);
   EXPECT_EQ(claim_of(healthy), "nothing");
   EXPECT_GT(healthy.figures.value("quiescent_points", 0), 10);
+}
+
+// At rest there is no call in flight to excuse anything.
+TEST(SustainedSuite, AsksForEveryPlaceAndEveryElementWhenAllStandStill) {
+  if (sanitizer != Sanitizer::none) GTEST_SKIP() << "only the scenarios run under a sanitizer";
+  const auto claim = [](const QueueEntry& entry) { return claim_of(run(entry, 2, run_sustained)); };
+  EXPECT_EQ(claim(queue_entry<WithBound<Bounded::loses_places>::Queue>("places")),
+            "full only when full");
+  EXPECT_EQ(claim(queue_entry<WithBound<Bounded::loses_deep>::Queue>("deep")),
+            "no element is lost");
+  EXPECT_EQ(claim(queue_entry<HoardingBoast>("boast")), "empty only when empty");
+  EXPECT_EQ(claim(queue_entry<HoardingHonest>("honest")), "nothing");
+  EXPECT_EQ(claim(queue_entry<WithBound<Bounded::sound>::Queue>("sound")), "nothing");
 }
 
 TEST(OnEmpty, KnowsAPopThatWaits) {
