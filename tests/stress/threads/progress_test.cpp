@@ -51,7 +51,10 @@ TEST(ProgressSuite, HoldsNobodyInTheLoaderTheAllocatorOrTheRuntime) {
   for (const Machinery machinery : {Machinery::loader, Machinery::exceptions, Machinery::allocator,
                                     Machinery::thread_local_storage}) {
     const QueueEntry* entry = through(machinery);
-    const Result result = run(*entry, 1.5, run_progress);
+    Result result = run(*entry, 1.5, run_progress);
+    // Nearly all the time is the machinery's: on a busy machine nobody may have been held.
+    for (int tries = 0; tries < 5 && result.figures.value("suspensions", 0) < 3; ++tries)
+      result = run(*entry, 1.5, run_progress);
     EXPECT_EQ(claim_of(result), "nothing") << entry->name << "\n" << result.findings[0].evidence;
     EXPECT_EQ(result.figures.value("push", ""), "goes on") << entry->name;
     EXPECT_EQ(result.figures.value("pop", ""), "goes on") << entry->name;
