@@ -63,10 +63,11 @@ struct Ending {
 
 /// What happened in the measured part of a run.
 struct Counts {
-  std::uint64_t accesses = 0;                 ///< to memory that threads share
-  std::uint64_t transfers = 0;                ///< lines that moved
-  std::uint64_t swaps = 0, failed_swaps = 0;  ///< compare-and-swaps
-  std::uint64_t sleeps = 0;                   ///< waits in the kernel
+  std::uint64_t accesses = 0;      ///< to memory that threads share
+  std::uint64_t transfers = 0;     ///< lines that moved
+  std::uint64_t swaps = 0;         ///< compare-and-swaps that succeeded
+  std::uint64_t failed_swaps = 0;  ///< and that did not
+  std::uint64_t sleeps = 0;        ///< waits in the kernel
   std::array<Time, causes> waited{};
 };
 

@@ -189,7 +189,7 @@ nlohmann::json Player::play() {
   const Counts& counts = machine_.counts();
   const double tasks =
       static_cast<double>(recording_.tasks.size()) * static_cast<double>(ends_.size());
-  const auto swapped = static_cast<double>(counts.swaps - counts.failed_swaps);
+  const auto swapped = static_cast<double>(counts.swaps);
   result["transfers_per_task"] = static_cast<double>(counts.transfers) / tasks;
   result["sleeps_per_task"] = static_cast<double>(counts.sleeps) / tasks;
   result["cas_failures_per_success"] =

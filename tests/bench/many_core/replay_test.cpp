@@ -94,6 +94,21 @@ TEST(Replay, ThreadsThatLeaveWhenEmptyFinishTheFrame) {
   EXPECT_EQ(run(frame_of(50, 20e3F), options).size(), 4U);
 }
 
+// Where 24 cores want one place about as many swaps fail as succeed: for two of these more do.
+TEST(Replay, FailedSwapsStandAgainstThoseThatSucceeded) {
+  const Runs runs = run(frame_of(100, 100), options_for({"lfree", "lock", "mutex"}, {1, 24}),
+                        "granite-rapids-96");
+  for (const auto& each : runs) {
+    const double failures = each["cas_failures_per_success"];
+    if (each["threads"] == 1) {
+      EXPECT_EQ(failures, 0) << each.dump();
+    } else {
+      EXPECT_GT(failures, 0.5) << each.dump();
+      EXPECT_LT(failures, 3) << each.dump();
+    }
+  }
+}
+
 TEST(Replay, SameSeedSameResult) {
   const Recording recording = frame_of(60, 3000);
   const RendererSweep options = options_for({"lfree", "lock"}, {8});
