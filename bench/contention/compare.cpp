@@ -1,6 +1,7 @@
 #include "bench/contention/compare.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <fstream>
 #include <set>
@@ -10,6 +11,7 @@
 #include "bench/frames/json_lines.hpp"
 #include "bench/frames/text_files.hpp"
 #include "bench/frames/usage_error.hpp"
+#include "bench/results/fields.hpp"
 #include "queues/nearest.hpp"
 
 namespace irt::contention {
@@ -17,13 +19,27 @@ namespace {
 
 using nlohmann::json;
 
-/// In which runs must agree to be compared; the queue comes on top.
-constexpr std::array settings{"scenario", "producers", "consumers", "threads",
-                              "work_ns",  "capacity",  "placement"};
+/// In which runs must agree to be compared: every choice but the queue, which comes on top.
+std::vector<const results::Field*> settings() {
+  std::vector<const results::Field*> found;
+  for (const results::Field& field : results::fields) {
+    const bool chosen =
+        (field.by & results::by_contention) != 0 && field.role == results::Role::choice &&
+        (field.place == results::Place::topic || field.place == results::Place::series);
+    if (chosen) found.push_back(&field);
+  }
+  return found;
+}
+
+json value_of(const json& run, const results::Field& field) {
+  const auto found = run.find(field.key);
+  return found == run.end() ? json() : *found;
+}
 
 bool same_settings(const json& a, const json& b) {
-  return std::ranges::all_of(
-      settings, [&](const char* key) { return a.value(key, json()) == b.value(key, json()); });
+  return std::ranges::all_of(settings(), [&](const results::Field* field) {
+    return value_of(a, *field) == value_of(b, *field);
+  });
 }
 
 json read_runs(const std::filesystem::path& file) {
@@ -113,7 +129,9 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
   nlohmann::ordered_json line;
   line["queue"] = before["queue"];
   if (after["queue"] != before["queue"]) line["against"] = after["queue"];
-  for (const char* key : settings) line[key] = before.value(key, json());
+  for (const results::Field* field : settings()) {
+    line[std::string(field->key)] = value_of(before, *field);
+  }
   line["repetitions"] = {a.size(), b.size()};
   if (a.empty() || b.empty()) {
     line["verdict"] = words(Verdict::too_few);
@@ -143,7 +161,21 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
   return line;
 }
 
-std::string line_of(const nlohmann::ordered_json& one) {
+/// The settings that no line shows and in which `lines` differ.
+std::vector<const results::Field*> differing(const nlohmann::ordered_json& lines) {
+  constexpr std::array shown{"scenario", "threads", "work_ns", "placement"};
+  std::vector<const results::Field*> found;
+  for (const results::Field* field : settings()) {
+    const bool differs = std::ranges::any_of(lines, [&](const auto& line) {
+      return line.at(std::string(field->key)) != lines[0].at(std::string(field->key));
+    });
+    if (differs && std::ranges::find(shown, field->key) == shown.end()) found.push_back(field);
+  }
+  return found;
+}
+
+std::string line_of(const nlohmann::ordered_json& one,
+                    const std::vector<const results::Field*>& more) {
   const auto text = [&](const char* key) {
     return one[key].is_string() ? one[key].get<std::string>() : one[key].dump();
   };
@@ -151,6 +183,9 @@ std::string line_of(const nlohmann::ordered_json& one) {
       fmt::format("{:<20} {:<20} {:>3} threads {:>5} ns  {:<24} ",
                   one.contains("against") ? text("queue") + " > " + text("against") : text("queue"),
                   text("scenario"), text("threads"), text("work_ns"), text("placement"));
+  for (const results::Field* field : more) {
+    line += fmt::format("{} {}  ", field->title, one.at(std::string(field->key)).dump());
+  }
   if (one.contains("ratio")) {
     std::string interval = "no interval";
     if (!one["ratio_low"].is_null()) {
@@ -219,11 +254,15 @@ int compare(const CompareOptions& options) {
   if (!options.json.empty()) require_writable(options.json);
   const auto lines = compare_runs(before, after, options.queues);
   if (lines.empty()) {
+    std::vector<std::string_view> titles;
+    for (const results::Field* field : settings()) titles.push_back(field->title);
     throw UsageError(
-        "no run of the first has a counterpart in the second: they differ in queue, "
-        "scenario, threads, work, capacity or placement");
+        fmt::format("no run of the first has a counterpart in the second: they differ in queue or "
+                    "{}",
+                    fmt::join(titles, ", ")));
   }
-  for (const auto& line : lines) fmt::print("{}\n", line_of(line));
+  const auto more = differing(lines);
+  for (const auto& line : lines) fmt::print("{}\n", line_of(line, more));
   fmt::print(
       "\n{} of {} and {} runs compared: the second's rate{} over the first's, with its 95% "
       "interval\n"

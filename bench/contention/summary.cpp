@@ -10,6 +10,7 @@
 
 #include "bench/contention/histogram.hpp"
 #include "bench/contention/statistics.hpp"
+#include "bench/results/record.hpp"
 
 namespace irt::contention {
 namespace {
@@ -146,7 +147,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
   const std::string placement = bound_text(row, group);
   conditions["pinning"] = placement;
   const Json counted = events_of(group.counted);
-  return {
+  return results::record({
       {"kind", "contention"},
       {"source", "measured"},
       {"queue", row.queue},
@@ -196,7 +197,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"allocator", allocator()},
       {"seed", plan.seed},
       {"conditions", std::move(conditions)},
-  };
+  });
 }
 
 }  // namespace

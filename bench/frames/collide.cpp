@@ -5,6 +5,7 @@
 #include "bench/frames/files.hpp"
 #include "bench/frames/interrupt.hpp"
 #include "bench/frames/summary.hpp"
+#include "bench/results/record.hpp"
 #include "renderer/engine/collision.hpp"
 
 namespace irt {
@@ -57,24 +58,23 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
       workload.options().scene, options.particles, query.total(), 1e3 * median,
       static_cast<double>(rays) / median / 1e6, hash);
   if (!options.json.empty()) {
-    const nlohmann::ordered_json runs{
+    nlohmann::ordered_json run = results::record(
         {{"scene", workload.options().scene},
          {"triangles", workload.scene().mesh.triangles.size()},
-         {"queue", queue.name},
-         {"task_system", workload.options().task_system},
-         {"threads", engine_options.threads},
-         {"bvh", workload.options().bvh},
-         {"termination", workload.options().termination},
-         {"task_size", workload.options().task_size},
-         {"particles", options.particles},
-         {"collisions", query.total()},
-         {"frames", options.frames},
-         {"fps", 1 / median},
-         {"fps_lower_quartile", 1 / quantile(seconds, 0.75)},
-         {"fps_upper_quartile", 1 / quantile(seconds, 0.25)},
-         {"rays_per_second", static_cast<double>(rays) / median},
-         {"contacts_hash", hash},
-         {"conditions", conditions(engine->pinned() ? "one thread per core" : "none")}}};
+         {"queue", uses_queue(workload.options()) ? nlohmann::ordered_json(queue.name) : nullptr},
+         {"threads", engine_options.threads}});
+    add_choices(run, workload.options(), results::by_collide);
+    results::add(run,
+                 {{"particles", options.particles},
+                  {"collisions", query.total()},
+                  {"frames", options.frames},
+                  {"fps", 1 / median},
+                  {"fps_lower_quartile", 1 / quantile(seconds, 0.75)},
+                  {"fps_upper_quartile", 1 / quantile(seconds, 0.25)},
+                  {"rays_per_second", static_cast<double>(rays) / median},
+                  {"contacts_hash", hash},
+                  {"conditions", conditions(engine->pinned() ? "one thread per core" : "none")}});
+    const auto runs = nlohmann::ordered_json::array({run});
     write_text(options.json, runs.dump(2) + '\n');
   }
   return 0;

@@ -6,6 +6,7 @@
 #include <gnu/libc-version.h>
 
 #include "bench/frames/mean_interval.hpp"
+#include "bench/results/record.hpp"
 
 namespace irt {
 namespace {
@@ -70,12 +71,6 @@ TimeHistogram histogram(const std::vector<std::uint64_t>& counts) {
   return times;
 }
 
-// A choice that was left to the structure is null.
-template <class T>
-Json or_null(const T& chosen) {
-  return chosen == T() ? Json() : Json(chosen);
-}
-
 std::string allocator() {
   const char* preloaded = std::getenv("LD_PRELOAD");
   return fmt::format("glibc {}{}", gnu_get_libc_version(),
@@ -99,34 +94,21 @@ Json run_of(const Group& group, const Background& background, double one_thread_
     return options.animate.empty() ? Json() : Json(figure);
   };
   const auto of_queue = [queued](double figure) { return queued ? Json(figure) : Json(); };
-  Json run{
+  Json run = results::record({
       {"scene", options.scene},
       {"triangles", background.triangles},
       {"queue", queued ? Json(sum.queue) : Json()},
       {"threads", sum.threads},
-      {"bvh", options.bvh},
-      {"kernel", options.kernel},
-      {"packet_width", or_null(options.packet_width)},
-      {"isa", or_null(options.isa)},
-      {"task_system", options.task_system},
-      {"frame_buffer", options.frame_buffer},
-      {"termination", options.termination},
-      {"shader", options.shader},
-      {"secondary", options.secondary},
-      {"animate", or_null(options.animate)},
-      {"update", or_null(options.update)},
-      {"task_size", options.task_size},
-      {"width", options.width},
-      {"height", options.height},
-      {"depth", options.depth},
-      {"samples_per_pixel", options.samples_per_pixel},
-      {"warmup", background.warmup},
-      {"status", sum.status},
-      {"message", sum.message},
-      {"frames", sum.seconds.size()},
-      {"repetitions", group.fps.size()},
-  };
-  Json figures{
+  });
+  add_choices(run, options, results::by_render);
+  results::add(run, {
+                        {"warmup", background.warmup},
+                        {"status", sum.status},
+                        {"message", sum.message},
+                        {"frames", sum.seconds.size()},
+                        {"repetitions", group.fps.size()},
+                    });
+  Json figures = results::record({
       {"fps", fps},
       {"fps_low", repeated.low ? Json(*repeated.low) : Json()},
       {"fps_high", repeated.high ? Json(*repeated.high) : Json()},
@@ -172,11 +154,11 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"image_hash", sum.image_hash},
       {"same_image", sum.same_image},
       {"pinned", sum.pinned},
-  };
+  });
   for (auto& [name, figure] : figures.items()) {
     run[name] = measured ? std::move(figure) : Json();
   }
-  run["conditions"] = background.conditions;
+  results::add(run, {{"conditions", background.conditions}});
   return run;
 }
 
@@ -219,22 +201,27 @@ struct Column {
   std::size_t width = 0;
 };
 
-// The choices in which runs differ, and the queue.
+// The choices in which runs differ, in the order in which they are written, and the queue.
 std::vector<Column> choices_of(const Json& runs) {
   std::vector<Column> columns;
-  for (const char* key : {"scene", "bvh", "kernel", "packet_width", "isa", "shader", "secondary",
-                          "samples_per_pixel", "depth", "task_size", "frame_buffer", "task_system",
-                          "termination", "animate", "update", "queue"}) {
-    std::string title = key == std::string_view("packet_width") ? "packet" : key;
+  const auto add = [&](const results::Field& field, bool always) {
+    std::string title(field.heading.empty() ? field.key : field.heading);
     std::ranges::replace(title, '_', ' ');
-    Column column{title, key, title.size()};
-    bool differs = title == "queue";
+    Column column{title, std::string(field.key), title.size()};
+    bool differs = always;
     for (const Json& run : runs) {
-      differs |= run[key] != runs[0][key];
-      column.width = std::max(column.width, shown(run[key]).size());
+      differs |= run[column.key] != runs[0][column.key];
+      column.width = std::max(column.width, shown(run[column.key]).size());
     }
     if (differs) columns.push_back(column);
+  };
+  for (const auto& [key, value] : runs[0].items()) {
+    const results::Field& field = *results::find(key);
+    const bool line =
+        key == "queue" || key == "threads";  // the name of a line and its first figure
+    if (field.role == results::Role::choice && !line) add(field, false);
   }
+  add(*results::find("queue"), true);
   return columns;
 }
 
@@ -306,8 +293,9 @@ std::string csv(const nlohmann::ordered_json& runs) {
     names.clear();
     for (const auto& [name, value] : run.items()) {
       if (name == "conditions" || value.is_structured()) continue;
+      if (!names.empty()) line += ',';
       names += names.empty() ? name : "," + name;
-      line += (line.empty() ? "" : ",") + (value.is_null() ? std::string() : value.dump());
+      if (!value.is_null()) line += value.dump();
     }
     lines += line + '\n';
   }

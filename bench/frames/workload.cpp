@@ -1,6 +1,7 @@
 #include "bench/frames/workload.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <fmt/format.h>
 #include <string_view>
@@ -110,6 +111,28 @@ void check(WorkloadOptions& options) {
         fmt::format("--update {}: nothing moves; --animate says what should", options.update));
   }
   check_task_system(options);
+}
+
+void to_json(nlohmann::json& json, const WorkloadOptions& options) {
+  visit_choices(options,
+                [&](results::Key key, const auto& value) { json[std::string(key.name)] = value; });
+  json["pin"] = options.pin;
+}
+
+void from_json(const nlohmann::json& json, WorkloadOptions& options) {
+  visit_choices(options, [&](results::Key key, auto& value) {
+    json.at(std::string(key.name)).get_to(value);
+  });
+  json.at("pin").get_to(options.pin);
+}
+
+void add_choices(nlohmann::ordered_json& run, const WorkloadOptions& options, results::Tools tool) {
+  constexpr std::array<std::string_view, 4> left_open{"packet_width", "isa", "animate", "update"};
+  visit_choices(options, [&]<class T>(results::Key key, const T& value) {
+    if ((results::find(key.name)->by & tool) == 0) return;
+    const bool open = value == T() && std::ranges::find(left_open, key.name) != left_open.end();
+    run[std::string(key.name)] = open ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+  });
 }
 
 bool uses_queue(const WorkloadOptions& options) {

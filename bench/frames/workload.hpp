@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/results/fields.hpp"
 #include "renderer/bvh/dynamic.hpp"
 #include "renderer/engine/task_systems.hpp"
 #include "renderer/frame_buffer/frame_buffer.hpp"
@@ -31,9 +32,34 @@ struct WorkloadOptions {
   bool pin = false;
 };
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkloadOptions, scene, bvh, kernel, frame_buffer, task_system,
-                                   termination, shader, secondary, packet_width, isa, animate,
-                                   update, task_size, width, height, depth, samples_per_pixel, pin)
+/// Calls `visit(key, member)` for every choice, by the key of its field in results.
+template <class Options, class Visitor>
+void visit_choices(Options& options, const Visitor& visit) {
+  visit(results::Key("scene"), options.scene);
+  visit(results::Key("bvh"), options.bvh);
+  visit(results::Key("kernel"), options.kernel);
+  visit(results::Key("packet_width"), options.packet_width);
+  visit(results::Key("isa"), options.isa);
+  visit(results::Key("task_system"), options.task_system);
+  visit(results::Key("frame_buffer"), options.frame_buffer);
+  visit(results::Key("termination"), options.termination);
+  visit(results::Key("shader"), options.shader);
+  visit(results::Key("secondary"), options.secondary);
+  visit(results::Key("animate"), options.animate);
+  visit(results::Key("update"), options.update);
+  visit(results::Key("task_size"), options.task_size);
+  visit(results::Key("width"), options.width);
+  visit(results::Key("height"), options.height);
+  visit(results::Key("depth"), options.depth);
+  visit(results::Key("samples_per_pixel"), options.samples_per_pixel);
+}
+
+/// For journals.
+void to_json(nlohmann::json& json, const WorkloadOptions& options);
+void from_json(const nlohmann::json& json, WorkloadOptions& options);
+
+/// Puts the choices that the tool writes into a run; those left to the structure are null.
+void add_choices(nlohmann::ordered_json& run, const WorkloadOptions& options, results::Tools tool);
 
 /// Puts the names of the defaults where nothing was given. Throws UsageError where a name is
 /// unknown or a number is out of range.

@@ -8,6 +8,7 @@
 #include "bench/frames/mean_interval.hpp"
 #include "bench/many_core/children.hpp"
 #include "bench/many_core/runs.hpp"
+#include "bench/results/record.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -125,16 +126,36 @@ std::vector<Json> sweep_renderer(const Profile& profile, const Recording& record
     if (by_seed.size() != options.seeds) continue;
     std::vector<Json> in_order;
     for (const auto& [seed, result] : by_seed) in_order.push_back(result);
-    Json run{{"kind", "simulated"},     {"source", "simulated"},
-             {"machine", profile.name}, {"queue", options.queues[key.first]},
-             {"threads", key.second},   {"work_scale", scale_of(options.pace, recording, profile)},
-             {"seeds", options.seeds},  {"levels", levels_of(profile, options.replay.placement)}};
+    Json run = results::record({{"kind", "simulated"},
+                                {"source", "simulated"},
+                                {"machine", profile.name},
+                                {"queue", options.queues[key.first]},
+                                {"threads", key.second},
+                                {"work_scale", scale_of(options.pace, recording, profile)},
+                                {"seeds", options.seeds},
+                                {"levels", levels_of(profile, options.replay.placement)}});
     run.update(merged(in_order));
     runs.push_back(std::move(run));
   }
   const double serial_ns = recording.generate_ns + recording.output_ns;
   add_speed_up(runs, serial_ns * 1e-9 * scale_of(options.pace, recording, profile));
   return runs;
+}
+
+void describe(Json& run, const WorkloadOptions& workload, Placement placement,
+              const Recording& recording) {
+  const double work = recording.work_ns();
+  results::add(run, {{"scenario", "renderer"}});
+  add_choices(run, workload, results::by_replay);
+  results::add(run, {{"placement", name_of(placement)},
+                     {"rays_per_frame", recording.rays()},
+                     {"recorded_frame_ms", work * 1e-6},
+                     {"recorded_spread", recording.spread},
+                     {"mean_task_us", work * run["work_scale"].get<double>() /
+                                          static_cast<double>(recording.tasks.size()) * 1e-3},
+                     {"band",
+                      "model: 10-30 % for queues of arrays, up to 2x for locks and linked "
+                      "lists (docs/simulator.md)"}});
 }
 
 }  // namespace irt::many_core

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "bench/results/record.hpp"
 #include "renderer/engine/time_histogram.hpp"
 
 namespace irt::many_core {
@@ -89,7 +90,7 @@ Json summarise(const Profile& profile, const Point& point,
       point.scenario == Scenario::sides
           ? std::pair(point.producers, point.threads - point.producers)
           : std::pair(point.threads, point.scenario == Scenario::primitive ? 0U : point.threads);
-  Json run{
+  Json run = results::record({
       {"kind", "simulated"},
       {"source", "simulated"},
       {"machine", profile.name},
@@ -108,7 +109,7 @@ Json summarise(const Profile& profile, const Point& point,
       {"band", band_of(point)},
       {"status", status},
       {"message", message},
-  };
+  });
   const bool ok = status == "ok";
   const std::vector<double> samples = values(results, "operations_per_second");
   const double operations_per_second = ok ? mean(samples) : 0;
@@ -118,33 +119,42 @@ Json summarise(const Profile& profile, const Point& point,
   double operations = 0;
   for (const double rate : samples) operations += rate * seconds;
   const auto sum = [&](const char* key) { return mean(values(results, key)) * n; };
-  run["operations_per_second"] = ok ? Json(operations_per_second) : Json();
-  run["operations_per_second_low"] = ok ? Json(operations_per_second - half) : Json();
-  run["operations_per_second_high"] = ok ? Json(operations_per_second + half) : Json();
-  run["samples"] = samples;
-  run["failed_pops_per_second"] = ok ? Json(sum("failed_pops") / n / seconds) : Json();
-  run["failed_pushes_per_second"] = ok ? Json(sum("failed_pushes") / n / seconds) : Json();
-  run["fairness"] = ok ? Json(mean(values(results, "fairness"))) : Json();
-  run["latency_ns"] =
-      ok ? Json{{"push", latency(results, "push")}, {"pop", latency(results, "pop")}} : Json();
-  run["transfers_per_operation"] = ok ? per(sum("transfers"), operations) : Json();
-  run["cas_failures_per_success"] = ok ? per(sum("failed_swaps"), sum("swaps")) : Json();
-  run["sleeps_per_operation"] = ok ? per(sum("sleeps"), operations) : Json();
-  run["waiting"] = nullptr;
+  Json waiting;
   if (ok) {
     for (const auto& [cause, share] : results[0]["waiting"].items()) {
       double all = 0;
       for (const nlohmann::json& result : results) all += result["waiting"][cause].get<double>();
-      run["waiting"][cause] = all / n;
+      waiting[cause] = all / n;
     }
   }
-  run["hot_lines"] = results[0].value("hot_lines", nlohmann::json());
-  run["accesses_per_cpu_second"] = ok ? per(sum("accesses"), sum("cpu_seconds")) : Json();
-  run["memory_peak_bytes"] = ok ? Json(std::ranges::max(values(results, "memory_bytes"))) : Json();
-  for (const char* key : {"clock_ns", "retries_per_operation", "context_switches_per_second",
-                          "energy_joules", "counters", "claims", "allocator"})
-    run[key] = nullptr;
-  run["allocator"] = "glibc, modelled";
+  const auto if_ok = [ok](const Json& figure) { return ok ? figure : Json(); };
+  results::add(run,
+               {
+                   {"operations_per_second", if_ok(operations_per_second)},
+                   {"operations_per_second_low", if_ok(operations_per_second - half)},
+                   {"operations_per_second_high", if_ok(operations_per_second + half)},
+                   {"samples", samples},
+                   {"failed_pops_per_second", if_ok(sum("failed_pops") / n / seconds)},
+                   {"failed_pushes_per_second", if_ok(sum("failed_pushes") / n / seconds)},
+                   {"fairness", if_ok(mean(values(results, "fairness")))},
+                   {"latency_ns",
+                    ok ? Json{{"push", latency(results, "push")}, {"pop", latency(results, "pop")}}
+                       : Json()},
+                   {"transfers_per_operation", if_ok(per(sum("transfers"), operations))},
+                   {"cas_failures_per_success", if_ok(per(sum("failed_swaps"), sum("swaps")))},
+                   {"sleeps_per_operation", if_ok(per(sum("sleeps"), operations))},
+                   {"waiting", waiting},
+                   {"hot_lines", results[0].value("hot_lines", nlohmann::json())},
+                   {"accesses_per_cpu_second", if_ok(per(sum("accesses"), sum("cpu_seconds")))},
+                   {"memory_peak_bytes", if_ok(std::ranges::max(values(results, "memory_bytes")))},
+                   {"clock_ns", nullptr},
+                   {"retries_per_operation", nullptr},
+                   {"context_switches_per_second", nullptr},
+                   {"energy_joules", nullptr},
+                   {"counters", nullptr},
+                   {"claims", nullptr},
+                   {"allocator", "glibc, modelled"},
+               });
   return run;
 }
 
@@ -216,8 +226,9 @@ std::string csv(const Json& runs) {
       if (key.starts_with("conditions") || key.starts_with("hot_lines") ||
           key.starts_with("levels") || key.starts_with("samples"))
         continue;
+      if (!names.empty()) line += ',';
       names += names.empty() ? key : "," + key;
-      line += (line.empty() ? "" : ",") + (value.is_null() ? std::string() : value.dump());
+      if (!value.is_null()) line += value.dump();
     }
     lines += line + '\n';
   }

@@ -112,31 +112,6 @@ void settle(Arguments& given, const QueueRegistry& registry) {
   parse_placement(given.placement);
 }
 
-// Names the workload of a run.
-void describe(Json& run, const WorkloadOptions& workload, const Arguments& given,
-              const Recording& recording) {
-  run["scenario"] = "renderer";
-  run["scene"] = workload.scene;
-  run["bvh"] = workload.bvh;
-  run["packet_width"] = workload.packet_width;
-  run["task_size"] = workload.task_size;
-  run["width"] = workload.width;
-  run["height"] = workload.height;
-  run["shader"] = workload.shader;
-  run["frame_buffer"] = workload.frame_buffer;
-  run["termination"] = workload.termination;
-  run["placement"] = given.placement;
-  run["rays_per_frame"] = recording.rays();
-  const double work = recording.work_ns();
-  run["recorded_frame_ms"] = work * 1e-6;
-  run["recorded_spread"] = recording.spread;
-  run["mean_task_us"] =
-      work * run["work_scale"].get<double>() / static_cast<double>(recording.tasks.size()) * 1e-3;
-  run["band"] =
-      "model: 10-30 % for queues of arrays, up to 2x for locks and linked lists "
-      "(docs/simulator.md)";
-}
-
 void print(const std::vector<Json>& runs) {
   fmt::print("simulated on {}; work x {:.3g}, a task {:.3g} us on average\n",
              runs.front()["machine"].get<std::string>(), runs.front()["work_scale"].get<double>(),
@@ -202,7 +177,7 @@ std::vector<Json> simulate_workload(const WorkloadOptions& options, const Argume
   for (const Pace& pace : paces(given)) {
     sweeping.pace = pace;
     auto runs = sweep_renderer(profile, recording, sweeping, cancel, nullptr);
-    for (Json& run : runs) describe(run, options, given, recording);
+    for (Json& run : runs) describe(run, options, sweeping.replay.placement, recording);
     if (talks && !runs.empty()) print(runs);
     all.insert(all.end(), runs.begin(), runs.end());
   }

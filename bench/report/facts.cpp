@@ -120,7 +120,8 @@ std::string work_in_tasks(const Results& results, std::span<const std::size_t> r
 // The least and the most of the operations that failed.
 std::string failed_operations(const Results& results, std::span<const std::size_t> runs) {
   struct Kind {
-    const char *key, *name;
+    Key key;
+    const char* name;
   };
   std::vector<std::string> parts;
   for (const Kind& kind :

@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "bench/report/metrics.hpp"
 #include "queues/baselines/baselines.hpp"
 
 namespace irt {
@@ -49,15 +48,34 @@ std::string topic_of(const Run& run) {
   return micro_name(run.subject()).topic;
 }
 
-std::string without_unit(std::string_view title) {
-  return std::string(title.substr(0, title.find(" [")));
+// Of runs of one family, what tells them apart beside subject, topic and origin.
+std::vector<const Field*> choices(Family family) {
+  std::vector<const Field*> found;
+  for (const Field& field : results::fields) {
+    const bool written = (field.by & tools_of(family)) != 0;
+    if (written && field.tells_apart && field.place == results::Place::series) {
+      found.push_back(&field);
+    }
+  }
+  return found;
+}
+
+// The value of a figure, with what is added to it; nothing where it was not measured.
+std::optional<double> value_of(const Run& run, const Field& figure) {
+  auto value = run.number(figure);
+  if (value && !figure.added.empty()) {
+    const auto more = run.number(*results::find(figure.added));
+    if (!more) return std::nullopt;
+    *value += *more;
+  }
+  return value;
 }
 
 // A choice as part of a name: numbers need their title, words speak for themselves.
-std::string described(const Run& run, const Choice& choice) {
-  const std::string value = run.text(choice.key);
-  if (value.empty()) return fmt::format("{} by default", without_unit(choice.title));
-  return run.number(choice.key) ? fmt::format("{} {}", without_unit(choice.title), value) : value;
+std::string described(const Run& run, const Field& choice) {
+  const std::string value = run.text(choice);
+  if (value.empty()) return fmt::format("{} by default", choice.title);
+  return run.number(choice) ? fmt::format("{} {}", choice.title, value) : value;
 }
 
 bool is_baseline(const Run& run) {
@@ -113,7 +131,7 @@ class PanelMaker {
  private:
   const Run& run(std::size_t index) const { return results_.runs[index]; }
 
-  std::size_t distinct(const Runs& runs, std::string_view key) const {
+  std::size_t distinct(const Runs& runs, Key key) const {
     std::set<std::string> values;
     for (const std::size_t index : runs) {
       // A simulated run tells only the choices that its model knows.
@@ -125,41 +143,53 @@ class PanelMaker {
 
   void add_topic(Family family, const std::string& topic, const Runs& runs) {
     bool any = false;
-    for (const Choice& x : choices(family)) {
-      if (!x.sweep || distinct(runs, x.key) < 2) continue;
-      add_sweep(family, topic, runs, x);
+    for (const Field* x : choices(family)) {
+      if (!x->sweeps || distinct(runs, *x) < 2 || follows(family, runs, *x)) continue;
+      add_sweep(family, topic, runs, *x);
       any = true;
     }
-    if (!any) add_sweep(family, topic, runs, choices(family).front());
+    if (!any) add_sweep(family, topic, runs, *choices(family).front());
+  }
+
+  // Whether the other choices leave `x` none here, as they do as a rule where it follows from them.
+  bool follows(Family family, const Runs& runs, const Field& x) const {
+    if (!x.follows) return false;
+    std::vector<const Field*> others = choices(family);
+    std::erase(others, &x);
+    std::map<std::string, std::string> chosen;
+    return std::ranges::all_of(runs, [&](std::size_t index) {
+      const std::string value = run(index).text(x);
+      return chosen.try_emplace(series_key(index, others), value).first->second == value;
+    });
   }
 
   // What tells the runs apart beside the queue and x.
-  std::vector<const Choice*> differing(Family family, const Runs& runs, const Choice& x) const {
-    std::vector<const Choice*> found;
-    for (const Choice& choice : choices(family)) {
-      if (choice.key != x.key && distinct(runs, choice.key) > 1) found.push_back(&choice);
+  std::vector<const Field*> differing(Family family, const Runs& runs, const Field& x) const {
+    std::vector<const Field*> found;
+    for (const Field* choice : choices(family)) {
+      if (choice != &x && distinct(runs, *choice) > 1) found.push_back(choice);
     }
-    const std::vector<const Choice*> all = found;
-    for (const Choice* choice : all) {
-      if (!choice->derived) continue;
-      std::vector<const Choice*> rest = found;
+    const std::vector<const Field*> all = found;
+    for (const Field* choice : all) {
+      if (!choice->follows) continue;
+      std::vector<const Field*> rest = found;
       std::erase(rest, choice);
       std::set<std::string> with, without;
       for (const std::size_t index : runs) {
-        with.insert(run(index).text(x.key) + series_key(index, found));
-        without.insert(run(index).text(x.key) + series_key(index, rest));
+        with.insert(run(index).text(x) + series_key(index, found));
+        without.insert(run(index).text(x) + series_key(index, rest));
       }
       if (with.size() == without.size()) found = std::move(rest);
     }
     return found;
   }
 
-  std::string choices_key(std::size_t index, const std::vector<const Choice*>& kept) const {
+  std::string choices_key(std::size_t index, const std::vector<const Field*>& kept) const {
     std::string key;
-    for (const Choice* choice : kept) key += '\n' + run(index).text(choice->key);
+    for (const Field* choice : kept) key += '\n' + run(index).text(*choice);
     return key;
   }
-  std::string series_key(std::size_t index, const std::vector<const Choice*>& kept) const {
+  std::string series_key(std::size_t index, const std::vector<const Field*>& kept) const {
     const Run& one = run(index);
     return fmt::format("{}\n{}\n{}\n{}{}", one.subject(), one.text("source"), one.text("machine"),
                        one.environment, choices_key(index, kept));
@@ -179,8 +209,8 @@ class PanelMaker {
   }
 
   // Lines of one plot as long as there are few of them; else a panel for each value of a choice.
-  void add_sweep(Family family, const std::string& topic, const Runs& runs, const Choice& x) {
-    std::vector<const Choice*> in_series = differing(family, runs, x), in_panel;
+  void add_sweep(Family family, const std::string& topic, const Runs& runs, const Field& x) {
+    std::vector<const Field*> in_series = differing(family, runs, x), in_panel;
     const auto panel_groups = [&] {
       return grouped(runs, [&](std::size_t index) { return choices_key(index, in_panel); });
     };
@@ -196,9 +226,9 @@ class PanelMaker {
       in_panel.push_back(in_series.front());
       in_series.erase(in_series.begin());
     }
-    const bool sweeps = distinct(runs, x.key) > 1;
+    const bool sweeps = distinct(runs, x) > 1;
     for (const Runs& chosen : panel_groups()) {
-      if (sweeps && distinct(chosen, x.key) < 2 && x.key != "threads") continue;
+      if (sweeps && distinct(chosen, x) < 2 && x.key != "threads") continue;
       Panel panel{.family = family,
                   .title = topic,
                   .variant = {},
@@ -206,9 +236,9 @@ class PanelMaker {
                   .series = {},
                   .plots = {},
                   .facts = facts_of(results_, chosen)};
-      panel.title += sweeps ? fmt::format(", over {}", without_unit(x.title))
+      panel.title += sweeps ? fmt::format(", over {}", x.title)
                             : fmt::format(", {}", described(run(chosen.front()), x));
-      for (const Choice* choice : in_panel) {
+      for (const Field* choice : in_panel) {
         if (!panel.variant.empty()) panel.variant += ", ";
         panel.variant += described(run(chosen.front()), *choice);
       }
@@ -225,7 +255,7 @@ class PanelMaker {
     }
   }
 
-  Series series_of(const Runs& runs, const std::vector<const Choice*>& in_series,
+  Series series_of(const Runs& runs, const std::vector<const Field*>& in_series,
                    bool name_environment) const {
     const Run& first = run(runs.front());
     Series series{.name = first.subject(),
@@ -235,8 +265,8 @@ class PanelMaker {
                   .runs = runs,
                   .facts = series_facts(results_, runs)};
     if (series.baseline) series.name += " (baseline)";
-    for (const Choice* choice : in_series) {
-      if (first.simulated() && first.text(choice->key).empty()) continue;
+    for (const Field* choice : in_series) {
+      if (first.simulated() && first.text(*choice).empty()) continue;
       series.name += ", " + described(first, *choice);
     }
     if (first.simulated()) {
@@ -262,19 +292,18 @@ class PanelMaker {
     }
   }
 
-  Point point_of(std::size_t index, const Metric& metric, double y) const {
+  Point point_of(std::size_t index, const Field& figure, double y) const {
     const Run& one = run(index);
-    Point point{.x = 0,
-                .y = y,
-                .low = one.number(std::string(metric.key) + "_low"),
-                .high = one.number(std::string(metric.key) + "_high"),
-                .samples = {},
-                .run = index};
-    if (metric.key == "fps" && !point.low) {
+    Point point{.x = 0, .y = y, .low = {}, .high = {}, .samples = {}, .run = index};
+    if (!figure.low.empty()) {
+      point.low = one.number(*results::find(figure.low));
+      point.high = one.number(*results::find(figure.high));
+    }
+    if (figure.key == "fps" && !point.low) {
       point.low = one.number("fps_lower_quartile");
       point.high = one.number("fps_upper_quartile");
     }
-    const auto samples = one.fields.find(metric.samples);
+    const auto samples = one.fields.find(figure.samples);
     if (samples != one.fields.end() && samples->is_array()) {
       for (const auto& sample : *samples) {
         if (sample.is_number()) point.samples.push_back(sample.get<double>());
@@ -305,11 +334,12 @@ class PanelMaker {
     return marks;
   }
 
-  void add_plots(Panel& panel, const Choice& x) const {
-    for (const Metric& metric : metrics(panel.family)) {
-      Plot plot{.name = std::string(metric.key),
-                .title = std::string(metric.title),
-                .x_title = std::string(x.title),
+  void add_plots(Panel& panel, const Field& x) const {
+    for (const Field& figure : results::fields) {
+      if (!figure.plotted || (figure.by & tools_of(panel.family)) == 0) continue;
+      Plot plot{.name = std::string(figure.key),
+                .title = with_unit(figure),
+                .x_title = with_unit(x),
                 .log_x = false,
                 .log_y = false,
                 .dots = false,
@@ -320,34 +350,33 @@ class PanelMaker {
       for (const Series& series : panel.series) {
         auto& line = plot.lines.emplace_back();
         for (const std::size_t index : series.runs) {
-          const auto y = value_of(run(index), metric);
-          const auto at = run(index).number(x.key);
+          const auto y = value_of(run(index), figure);
+          const auto at = run(index).number(x);
           if (!y || run(index).status() != "ok") continue;
-          line.push_back(point_of(index, metric, *y));
+          line.push_back(point_of(index, figure, *y));
           line.back().x = at.value_or(0);
           only_zeros &= *y == 0;
         }
         std::ranges::sort(line, {}, &Point::x);
       }
       if (x.key == "threads") plot.marks = marks_of(panel);
-      if (only_zeros && metric.skip_zeros) continue;
+      if (only_zeros && figure.skip_zeros) continue;
       add(panel, std::move(plot));
     }
   }
 
   // Percentiles with as many threads as all series have.
-  void add_latencies(Panel& panel, const Choice& x) const {
+  void add_latencies(Panel& panel, const Field& x) const {
     constexpr std::array percentiles{"p50", "p90", "p99", "p99.9", "p99.99", "max"};
     double most = 0;
     for (const Series& series : panel.series) {
       for (const std::size_t index : series.runs) {
-        most = std::max(most, run(index).number(x.key).value_or(0));
+        most = std::max(most, run(index).number(x).value_or(0));
       }
     }
     for (const char* operation : {"push", "pop"}) {
       Plot plot{.name = fmt::format("latency-{}", operation),
-                .title = fmt::format("latency of {}, {} {:g} [ns]", operation,
-                                     without_unit(x.title), most),
+                .title = fmt::format("latency of {}, {} {:g} [ns]", operation, x.title, most),
                 .x_title = "percentile",
                 .log_x = false,
                 .log_y = false,
@@ -358,7 +387,7 @@ class PanelMaker {
       for (const Series& series : panel.series) {
         auto& line = plot.lines.emplace_back();
         for (const std::size_t index : series.runs) {
-          if (run(index).number(x.key).value_or(0) != most) continue;
+          if (run(index).number(x).value_or(0) != most) continue;
           const auto latency = run(index).fields.find("latency_ns");
           if (latency == run(index).fields.end() || !latency->is_object()) continue;
           const auto times = latency->find(operation);
@@ -415,7 +444,7 @@ class PanelMaker {
       series.colour = colours_.try_emplace(series.name, colours_.size()).first->second;
       panel.series.push_back(std::move(series));
     }
-    add_plots(panel, {"threads", "threads"});
+    add_plots(panel, *results::find("threads"));
     for (Plot& plot : panel.plots) plot.dots = true;
     finish(std::move(panel));
   }

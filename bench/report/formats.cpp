@@ -12,6 +12,7 @@
 #include "bench/frames/mean_interval.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/report/results.hpp"
+#include "bench/results/record.hpp"
 
 namespace irt {
 namespace {
@@ -80,11 +81,12 @@ Json interval_or_null(const std::optional<double>& value) {
 
 // The repetitions of one benchmark, made a run.
 Json micro_run(const std::string& name, const std::vector<Json>& entries, const Json& conditions) {
-  Json run{{"kind", "micro"}, {"source", "measured"}, {"benchmark", name}};
+  Json run = results::record(
+      {{"kind", "micro"}, {"source", "measured"}, {"benchmark", name}, {"threads", 1}});
   std::vector<double> samples;
   std::string message;
   for (const Json& entry : entries) {
-    run["threads"] = entry.value("threads", 1);
+    results::add(run, {{"threads", entry.value("threads", 1)}});
     if (entry.value("error_occurred", false)) {
       message = entry.value("error_message", "failed");
     } else if (entry.value("run_type", "iteration") == "iteration") {
@@ -113,14 +115,14 @@ Json micro_run(const std::string& name, const std::vector<Json>& entries, const 
     }
   }
   const bool measured = repetitions > 0;
-  run["status"] = message.empty() ? "ok" : "failed";
-  run["message"] = message;
-  run["repetitions"] = repetitions;
-  run["ns_per_operation"] = measured ? Json(time.mean) : Json();
-  run["ns_per_operation_low"] = interval_or_null(time.low);
-  run["ns_per_operation_high"] = interval_or_null(time.high);
-  run["samples"] = samples;
-  run["conditions"] = conditions;
+  results::add(run, {{"status", message.empty() ? "ok" : "failed"},
+                     {"message", message},
+                     {"repetitions", repetitions},
+                     {"ns_per_operation", measured ? Json(time.mean) : Json()},
+                     {"ns_per_operation_low", interval_or_null(time.low)},
+                     {"ns_per_operation_high", interval_or_null(time.high)},
+                     {"samples", samples},
+                     {"conditions", conditions}});
   return run;
 }
 

@@ -135,16 +135,12 @@ class Collector {
   // Everything but what was measured: two runs that agree in it answer the same question.
   static std::string question(const Run& run, const std::set<std::string_view>& but = {}) {
     nlohmann::json key{{"family", run.family}, {"environment", run.environment}};
-    for (const char* name : {"kind",          "source",       "queue",     "scenario",
-                             "producers",     "consumers",    "threads",   "work_ns",
-                             "capacity",      "placement",    "allocator", "machine",
-                             "operation_mix", "benchmark",    "scene",     "bvh",
-                             "kernel",        "packet_width", "isa",       "task_system",
-                             "shader",        "secondary",    "animate",   "update",
-                             "task_size",     "width",        "height",    "frame_buffer",
-                             "termination",   "particles",    "depth",     "samples_per_pixel",
-                             "variant"}) {
-      if (run.fields.contains(name) && !but.contains(name)) key[name] = run.fields[name];
+    for (const Field& field : results::fields) {
+      if (!field.tells_apart || but.contains(field.key)) continue;
+      const auto found = run.fields.find(field.key);
+      if (found == run.fields.end()) continue;
+      // What was calculated may differ in its last bits.
+      key[std::string(field.key)] = found->is_number_float() ? Json(run.text(field)) : *found;
     }
     return key.dump();
   }
@@ -249,14 +245,14 @@ class Collector {
 
 }  // namespace
 
-std::optional<double> Run::number(std::string_view key) const {
-  const auto found = fields.find(key);
+std::optional<double> Run::number(Key key) const {
+  const auto found = fields.find(key.name);
   if (found == fields.end() || !found->is_number()) return std::nullopt;
   return found->get<double>();
 }
 
-std::string Run::text(std::string_view key) const {
-  const auto found = fields.find(key);
+std::string Run::text(Key key) const {
+  const auto found = fields.find(key.name);
   if (found == fields.end() || found->is_null()) return {};
   if (found->is_string()) return found->get<std::string>();
   if (found->is_number_float()) return fmt::format("{:.6g}", found->get<double>());
@@ -276,6 +272,11 @@ std::string Run::status() const {
   }
   const std::string status = text("status");
   return status.empty() ? "ok" : status;
+}
+
+std::string with_unit(const Field& field) {
+  return field.unit.empty() ? std::string(field.title)
+                            : fmt::format("{} [{}]", field.title, field.unit);
 }
 
 std::string environment_name(std::size_t index) {

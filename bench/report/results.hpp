@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/results/fields.hpp"
+
 namespace irt {
 
 /// A file that cannot be read as results. `what()` is one line: which file, what is wrong with it.
@@ -19,12 +21,9 @@ struct ResultError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Which tool a run comes from, and so which figures it has.
-enum class Family : std::uint8_t {
-  frames,      ///< `irt compare`, `render`, `collide`, simulated frames: fields `scene`, `fps`
-  operations,  ///< `irt bench contention` and the simulator: field `kind`
-  micro,       ///< Google Benchmark's JSON
-};
+using results::Family;
+using results::Field;
+using results::Key;
 
 /// One object of a result file, as its tool wrote it, but for the conditions.
 struct Run {
@@ -34,9 +33,9 @@ struct Run {
   std::string time;         ///< when its conditions were taken, ISO 8601; empty where unknown
 
   /// The number in `key`; nothing where it is missing, null or no number.
-  std::optional<double> number(std::string_view key) const;
+  std::optional<double> number(Key key) const;
   /// The field as text; empty where it is missing or null.
-  std::string text(std::string_view key) const;
+  std::string text(Key key) const;
   /// The queue, or who schedules where there is none; of micro benchmarks the name.
   std::string subject() const;
   bool simulated() const { return text("source") == "simulated"; }
@@ -56,6 +55,9 @@ struct Results {
   std::vector<ResultFile> files;
   std::vector<std::string> notes;  ///< what a reader must know about how the files fit together
 };
+
+/// The title of a field, with its unit in brackets.
+std::string with_unit(const Field& field);
 
 /// The letter or letters by which the page calls an environment: A, B ... Z, AA.
 std::string environment_name(std::size_t index);

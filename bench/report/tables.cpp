@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "bench/report/facts.hpp"
-#include "bench/report/metrics.hpp"
 
 namespace irt {
 namespace {
@@ -16,65 +16,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Column {
-  std::string_view key, title;
+  const Field* field;
+  std::string title;
+  std::string method{}, percentile{};  // of latencies
 };
 
-constexpr Column frame_columns[] = {
-    {"fps", "frames/s"},
-    {"fps_low", "from"},
-    {"fps_high", "to"},
-    {"speed_up", "speed-up"},
-    {"rays_per_second", "rays/s"},
-    {"get_ns", "get median [ns]"},
-    {"get_ns_p99", "get p99 [ns]"},
-    {"get_ns_mean", "get mean [ns]"},
-    {"add_ns", "add median [ns]"},
-    {"add_ns_p99", "add p99 [ns]"},
-    {"add_ns_mean", "add mean [ns]"},
-    {"failed_gets_per_frame", "failed pops/frame"},
-    {"overflowed_per_frame", "failed pushes/frame"},
-    {"idle_ms", "idle [ms]"},
-    {"barrier_wait_ms", "barrier [ms]"},
-    {"imbalance", "imbalance"},
-    {"waiting", "waiting, by cause"},
-    {"work_per_task_ns", "work per task [ns]"},
-    {"repetitions", "repetitions"},
-};
-constexpr Column operation_columns[] = {
-    {"operations_per_second", "operations/s"},
-    {"operations_per_second_low", "from"},
-    {"operations_per_second_high", "to"},
-    {"failed_pops_per_second", "failed pops/s"},
-    {"failed_pushes_per_second", "failed pushes/s"},
-    {"fairness", "fairness"},
-    {"push p50", "push p50 [ns]"},
-    {"push p99", "push p99 [ns]"},
-    {"push p99.99", "push p99.99 [ns]"},
-    {"push max", "push max [ns]"},
-    {"pop p50", "pop p50 [ns]"},
-    {"pop p99", "pop p99 [ns]"},
-    {"pop p99.99", "pop p99.99 [ns]"},
-    {"pop max", "pop max [ns]"},
-    {"retries_per_operation", "retries/operation"},
-    {"cas_failures_per_success", "failed CAS per success"},
-    {"transfers_per_operation", "line transfers/operation"},
-    {"waiting", "waiting, by cause"},
-    {"context_switches_per_second", "context switches/s"},
-    {"memory_peak_bytes", "most memory [bytes]"},
-    {"energy_joules", "energy [J]"},
-    {"repetitions", "repetitions"},
-};
-constexpr Column micro_columns[] = {
-    {"ns_per_operation", "ns/iteration"},
-    {"ns_per_operation_low", "from"},
-    {"ns_per_operation_high", "to"},
-    {"repetitions", "repetitions"},
-};
-
-std::span<const Column> columns_of(Family family) {
-  if (family == Family::frames) return frame_columns;
-  if (family == Family::operations) return operation_columns;
-  return micro_columns;
+// The figures of a family that have a column.
+std::vector<Column> columns_of(Family family) {
+  std::vector<Column> columns;
+  for (const Field& field : results::fields) {
+    if ((field.by & tools_of(family)) == 0) continue;
+    const bool choice = field.role == results::Role::choice;
+    if (!choice && !field.heading.empty()) columns.push_back({&field, std::string(field.heading)});
+    if (field.key != "latency_ns") continue;
+    for (const char* method : {"push", "pop"}) {
+      for (const char* percentile : {"p50", "p99", "p99.99", "max"}) {
+        columns.push_back(
+            {&field, fmt::format("{} {} [ns]", method, percentile), method, percentile});
+      }
+    }
+  }
+  return columns;
 }
 
 // Of the time, the share of each cause that has one.
@@ -89,18 +51,20 @@ Json shares(const Run& run) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-Json cell(const Run& run, std::string_view key) {
-  if (const std::size_t space = key.find(' '); space != std::string_view::npos) {
-    const auto latency = run.fields.find("latency_ns");
-    if (latency == run.fields.end() || !latency->is_object()) return nullptr;
-    const auto times = latency->find(key.substr(0, space));
-    if (times == latency->end() || !times->is_object()) return nullptr;
-    const auto time = times->find(key.substr(space + 1));
-    return time != times->end() && time->is_number() ? Json(*time) : Json();
-  }
-  if (key == "waiting") return shares(run);
-  if (const auto value = run.number(key)) return *value;
-  const std::string text = run.text(key);
+Json latency(const Run& run, const Column& column) {
+  const auto latency = run.fields.find(column.field->key);
+  if (latency == run.fields.end() || !latency->is_object()) return nullptr;
+  const auto times = latency->find(column.method);
+  if (times == latency->end() || !times->is_object()) return nullptr;
+  const auto time = times->find(column.percentile);
+  return time != times->end() && time->is_number() ? Json(*time) : Json();
+}
+
+Json cell(const Run& run, const Column& column) {
+  if (!column.method.empty()) return latency(run, column);
+  if (column.field->key == "waiting") return shares(run);
+  if (const auto value = run.number(*column.field)) return *value;
+  const std::string text = run.text(*column.field);
   return text.empty() ? Json() : Json(text);
 }
 
@@ -116,23 +80,21 @@ Json runs_table(const Results& results, Family family, const char* title) {
     if (run.family == family) runs.push_back(&run);
   }
   if (runs.empty()) return nullptr;
-  std::vector<Column> shown;
-  const auto add_differing = [&](std::string_view key, std::string_view name) {
+  // What tells runs apart and has no column of its own: a column where it does so here.
+  std::vector<Column> shown, origin;
+  for (const Field& field : results::fields) {
+    if (!field.tells_apart || (field.by & tools_of(family)) == 0) continue;
+    const bool always = field.key == "scenario" && family == Family::operations;
     const bool differs = std::ranges::any_of(
-        runs, [&](const Run* run) { return run->text(key) != runs.front()->text(key); });
-    if (differs) shown.push_back({key, name});
-  };
-  if (family == Family::frames) add_differing("scene", "scene");
-  if (family == Family::operations) shown.push_back({"scenario", "scenario"});
-  for (const Choice& choice : choices(family)) {
-    if (choice.key == "threads") {
-      shown.push_back({choice.key, choice.title});
-    } else {
-      add_differing(choice.key, choice.title);
-    }
+        runs, [&](const Run* run) { return run->text(field) != runs.front()->text(field); });
+    const bool own =
+        field.place == results::Place::subject || field.key == "kind" || field.key == "source";
+    if (own || !(always || differs || field.key == "threads")) continue;
+    const bool late = field.place == results::Place::origin;
+    (late ? origin : shown).push_back({&field, with_unit(field)});
   }
-  for (const Column& column : columns_of(family)) shown.push_back(column);
-  add_differing("machine", "machine");
+  std::ranges::move(columns_of(family), std::back_inserter(shown));
+  std::ranges::move(origin, std::back_inserter(shown));
 
   Json columns = Json::array({family == Family::micro ? "benchmark" : "queue"});
   for (const Column& column : shown) columns.push_back(column.title);
@@ -140,7 +102,7 @@ Json runs_table(const Results& results, Family family, const char* title) {
   Json rows = Json::array();
   for (const Run* run : runs) {
     Json row = Json::array({run->subject()});
-    for (const Column& column : shown) row.push_back(cell(*run, column.key));
+    for (const Column& column : shown) row.push_back(cell(*run, column));
     row.push_back(run->simulated() ? "simulated" : "measured");
     row.push_back(environment_name(run->environment));
     row.push_back(status_cell(*run));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/contention/compare.hpp"
+#include "bench/results/fields.hpp"
 
 namespace irt::contention {
 namespace {
@@ -28,6 +29,25 @@ TEST(Comparison, PairsWhatDiffersInNothingElse) {
   EXPECT_LT(lines[0]["p"].get<double>(), 0.01);
   EXPECT_EQ(lines[1]["verdict"], "no difference");
   EXPECT_DOUBLE_EQ(lines[1]["ratio"].get<double>(), 1);
+}
+
+TEST(Comparison, RunsThatDifferInOneChoiceAreNoPair) {
+  for (const results::Field& field : results::fields) {
+    if (field.role != results::Role::choice || (field.by & results::by_contention) == 0) continue;
+    if (field.place == results::Place::origin) continue;
+    json one = run("lock", 1, low), other = one;
+    one[std::string(field.key)] = "one";
+    other[std::string(field.key)] = "other";
+    EXPECT_TRUE(compare_runs(json::array({one}), json::array({other}), {}).empty()) << field.key;
+  }
+}
+
+// The allocator is what one compares, too.
+TEST(Comparison, RunsUnderOtherConditionsAreAPair) {
+  json one = run("lock", 1, low), other = run("lock", 1, high);
+  one["allocator"] = "one";
+  other["allocator"] = "other";
+  EXPECT_EQ(compare_runs(json::array({one}), json::array({other}), {}).size(), 1U);
 }
 
 TEST(Comparison, TwoQueuesOfOneSweep) {

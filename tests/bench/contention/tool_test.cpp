@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "bench/contention/counting.hpp"
+#include "tests/bench/fields.hpp"
 #include "tests/bench/running_tool.hpp"
 
 namespace irt {
@@ -91,6 +92,7 @@ TEST_F(Sweep, WritesEveryFigureThatItPromises) {
   ASSERT_EQ(runs().size(), 2U);
   EXPECT_EQ(runs(), json_of(directory / "copy.json"));
   const json run = runs()[0];
+  EXPECT_EQ(keys_of(run), fields_by(results::by_contention));
   const json types{{"kind", ""},
                    {"source", ""},
                    {"queue", ""},

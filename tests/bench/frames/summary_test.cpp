@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/bench/fields.hpp"
+
 namespace irt {
 namespace {
 
@@ -31,6 +33,11 @@ TEST(Quantile, Interpolates) {
   EXPECT_DOUBLE_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
   EXPECT_DOUBLE_EQ(quantile({1, 2, 3, 4, 5}, 0.25), 2);
   EXPECT_DOUBLE_EQ(quantile({7}, 0.75), 7);
+}
+
+TEST(Summary, WritesTheFieldsOfItsTool) {
+  const auto runs = summarise(std::vector{sample("lock", 1, {0.5})}, std::vector<Background>(1));
+  EXPECT_EQ(keys_of(runs[0]), fields_by(results::by_render));
 }
 
 TEST(Summary, ACrashIsARunAndLeavesWhatWasMeasured) {

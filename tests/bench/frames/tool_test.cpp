@@ -11,6 +11,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "tests/bench/fields.hpp"
 #include "tests/bench/running_tool.hpp"
 
 namespace irt {
@@ -196,6 +197,7 @@ TEST(Tool, ParticlesCollideAlikeForEveryQueue) {
     EXPECT_EQ(tool.wait(), 0) << tool.err();
     const auto run = json_of(directory / "a.json").at(0);
     EXPECT_GT(run["collisions"], 100);
+    EXPECT_EQ(keys_of(run), fields_by(results::by_collide));
     hashes.insert(run["contacts_hash"].get<std::string>());
   }
   EXPECT_EQ(hashes.size(), 1u);

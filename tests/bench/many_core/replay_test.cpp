@@ -3,6 +3,7 @@
 #include <map>
 
 #include "bench/many_core/renderer_sweep.hpp"
+#include "tests/bench/fields.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -107,6 +108,18 @@ TEST(Replay, FailedSwapsStandAgainstThoseThatSucceeded) {
       EXPECT_LT(failures, 3) << each.dump();
     }
   }
+}
+
+TEST(Replay, WritesTheFieldsOfItsTool) {
+  const Recording recording = frame_of(10, 1000);
+  Runs runs = run(recording, options_for({"lfree"}, {2}));
+  ASSERT_EQ(runs.size(), 1U);
+  describe(runs[0], {}, Placement::close, recording);
+  EXPECT_EQ(keys_of(runs[0]), [] {
+    auto keys = fields_by(results::by_replay);
+    keys.erase("conditions");  // the command adds them
+    return keys;
+  }());
 }
 
 TEST(Replay, SameSeedSameResult) {

@@ -10,7 +10,9 @@
 #include "bench/many_core/arbitration.hpp"
 #include "bench/many_core/children.hpp"
 #include "bench/many_core/point.hpp"
+#include "bench/many_core/runs.hpp"
 #include "bench/many_core/sweep.hpp"
+#include "tests/bench/fields.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -67,6 +69,14 @@ nlohmann::json run(const Profile& profile, const Point& point, std::uint64_t see
       },
       never_interrupted);
   return result;
+}
+
+TEST(Runs, HaveTheFieldsOfTheirTool) {
+  const Point point = queue("lock", Scenario::pairs, 2);
+  const std::vector<nlohmann::json> seeds{run(simple_machine(), point)};
+  nlohmann::ordered_json summed_up = summarise(simple_machine(), point, seeds);
+  summed_up["conditions"] = nullptr;  // the sweep adds them
+  EXPECT_EQ(keys_of(summed_up), fields_by(results::by_simulate));
 }
 
 nlohmann::json run(const Point& point, std::uint64_t seed = 1, bool explain = false) {

@@ -121,6 +121,54 @@ TEST_F(FiguresTest, SimulatedFramesStandBesideMeasuredOnes) {
   EXPECT_EQ(plot(panels[0], "fps").lines[1].size(), 2u);
 }
 
+TEST_F(FiguresTest, ASweepOverTheSpreadOfTheWorkIsAFigure) {
+  Json runs = Json::array();
+  for (const double spread : {0.0, 0.5, 1.0}) {
+    for (const char* queue : {"lock", "lfree"}) {
+      Json run = synthetic::operations(queue, 2, 1e6 * (2 - spread));
+      run["work_spread"] = spread;
+      runs.push_back(run);
+    }
+  }
+  const auto panels = panels_of(read(runs));
+  ASSERT_EQ(panels.size(), 1u);
+  EXPECT_EQ(panels[0].title, "pairs, over spread of the work");
+  EXPECT_EQ(plot(panels[0], "operations_per_second").lines[1].size(), 3u);
+}
+
+// What tasks take follows from their size, unless it was asked for.
+TEST_F(FiguresTest, TheMeanTaskIsAnAxisOnlyWhereItIsAChoice) {
+  Json asked = Json::array(), follows = Json::array();
+  for (const unsigned threads : {1U, 64U}) {
+    for (const unsigned factor : {1U, 4U}) {
+      Json run = synthetic::frames("lock", threads, 64, 9.0 * threads / factor);
+      run.update({{"kind", "simulated"}, {"source", "simulated"}, {"machine", "big"}});
+      run["mean_task_us"] = 20.5 * factor;
+      asked.push_back(run);
+      run["task_size"] = 64 * factor;
+      follows.push_back(run);
+    }
+  }
+  const auto panels = panels_of(read(asked));
+  EXPECT_EQ(plot(panel(panels, "office, over mean task"), "fps").lines[0].size(), 2u);
+  for (const Panel& one : panels_of(read(follows))) {
+    EXPECT_NE(one.title, "office, over mean task");
+  }
+}
+
+TEST_F(FiguresTest, PicturesOfOneWidthAreToldApartByTheirHeight) {
+  Json runs = Json::array();
+  for (const unsigned height : {300U, 600U}) {
+    for (const unsigned threads : {1U, 2U}) {
+      Json run = synthetic::frames("lock", threads, 256, 9.0 * threads);
+      run["width"] = 300;
+      run["height"] = height;
+      runs.push_back(run);
+    }
+  }
+  EXPECT_EQ(names(panels_of(read(runs))[0]), (Names{"lock, height 300", "lock, height 600"}));
+}
+
 TEST_F(FiguresTest, TaskSizesAreAFigureOfTheirOwn) {
   Json runs = Json::array();
   for (const unsigned size : {1U, 16U, 256U}) {

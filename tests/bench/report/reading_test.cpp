@@ -6,6 +6,7 @@
 
 #include "bench/contention/summary.hpp"
 #include "bench/report/results.hpp"
+#include "tests/bench/fields.hpp"
 #include "tests/bench/report/synthetic.hpp"
 #include "tests/bench/temporary.hpp"
 
@@ -159,6 +160,40 @@ TEST_F(ReadingTest, ShardsMergeAndWhatIsThereTwiceCountsOnce) {
   }));
 }
 
+// Whatever tells runs apart, two runs that differ in nothing else are both kept.
+TEST_F(ReadingTest, RunsThatDifferInOneChoiceAreTwoAnswers) {
+  for (const results::Field& field : results::fields) {
+    if (!field.tells_apart || field.key == "kind") continue;
+    Json one = (field.by & results::by_operations) != 0 ? synthetic::operations("lock", 2, 1e6)
+                                                        : synthetic::frames("lock", 2, 256, 9);
+    if (field.by == results::by_micro) one = {{"kind", "micro"}, {"ns_per_operation", 3}};
+    Json other = one;
+    one[std::string(field.key)] = "one";
+    other[std::string(field.key)] = "other";
+    const Results results = read({write("a.json", Json::array({one, other}).dump())});
+    EXPECT_EQ(results.runs.size(), 2u) << field.key;
+  }
+}
+
+// ... and what came out does not make two questions of one.
+TEST_F(ReadingTest, RunsThatDifferInAFigureAnswerOneQuestion) {
+  for (const results::Field& field : results::fields) {
+    if (field.role != results::Role::figure) continue;
+    Json one = synthetic::operations("lock", 2, 1e6);
+    Json other = one;
+    other[std::string(field.key)] = "other";
+    const Results results = read({write("a.json", Json::array({one, other}).dump())});
+    EXPECT_EQ(results.runs.size(), 1u) << field.key;
+  }
+}
+
+TEST_F(ReadingTest, ValuesThatDifferByRoundingAreOne) {
+  Json one = synthetic::frames("lock", 2, 256, 9), other = one;
+  one["mean_task_us"] = 20.0;
+  other["mean_task_us"] = 20.000000000000004;
+  EXPECT_EQ(read({write("a.json", Json::array({one, other}).dump())}).runs.size(), 1u);
+}
+
 TEST_F(ReadingTest, TheSpeedUpOfAShardIsTakenFromTheOthers) {
   Json first =
       Json::array({synthetic::frames("lock", 1, 256, 9), synthetic::frames("lfree", 1, 256, 10)});
@@ -196,6 +231,9 @@ TEST_F(ReadingTest, GoogleBenchmarksRepetitionsBecomeAMeanWithItsInterval) {
   EXPECT_NEAR(*run.number("ns_per_operation"), 8.2, 1e-9);
   // Three samples, 0.2 apart: t(0.975; 2) = 4.3027, times 0.2 / sqrt(3).
   EXPECT_NEAR(*run.number("ns_per_operation_high") - 8.2, 0.49683, 1e-4);
+  std::set<std::string> keys = keys_of(run.fields);
+  keys.insert("conditions");  // in the environment
+  EXPECT_EQ(keys, fields_by(results::by_micro));
   const Json& conditions = results.environments[0];
   EXPECT_EQ(conditions.at("hardware_threads"), 64);
   EXPECT_FALSE(conditions.contains("host_name"));

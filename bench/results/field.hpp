@@ -1,0 +1,126 @@
+/// What is known of one field of a run.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace irt::results {
+
+/// A set of tools.
+using Tools = std::uint8_t;
+inline constexpr Tools by_render = 1;      ///< `irt compare`, `irt render`
+inline constexpr Tools by_collide = 2;     ///< `irt collide`
+inline constexpr Tools by_replay = 4;      ///< `irt simulate --renderer`
+inline constexpr Tools by_contention = 8;  ///< `irt bench contention`
+inline constexpr Tools by_simulate = 16;   ///< `irt simulate`
+inline constexpr Tools by_micro = 32;      ///< Google Benchmark's results, as they are read
+inline constexpr Tools by_all = 63;
+
+enum class Role : std::uint8_t {
+  choice,     ///< made before measuring; always tells runs apart
+  condition,  ///< what the figures came about under, or how to read them
+  figure,     ///< what came out; never tells runs apart
+};
+
+/// Where readers put a field that tells runs apart.
+enum class Place : std::uint8_t {
+  series,   ///< among the choices: in the name of a line, over an axis, in a column
+  subject,  ///< who was measured
+  topic,    ///< what was measured: never two in one plot
+  origin,   ///< measured or simulated, and on which machine
+};
+
+/// Made by the functions below, which name only what is so.
+struct Field {
+  std::string_view key;
+  Tools by = 0;  ///< who writes it
+  Role role = Role::figure;
+
+  std::string_view title{};  ///< in names and at axes
+  std::string_view unit{};
+  std::string_view heading{};  ///< of a column: of a figure without one there is none
+
+  bool tells_apart = false;  ///< runs that differ in it answer different questions
+  Place place = Place::series;
+  bool sweeps = false;   ///< a number that figures may be drawn over
+  bool follows = false;  ///< from other choices, as a rule
+
+  bool plotted = false;
+  bool skip_zeros = false;         ///< no plot where all values are 0
+  std::string_view samples{};      ///< the field with one value per repetition, in the same unit
+  std::string_view low{}, high{};  ///< the fields with its interval
+  std::string_view added{};        ///< a second field that is added in plots
+
+  constexpr Field at(Place where) const {
+    Field changed = *this;
+    changed.place = where;
+    return changed;
+  }
+  constexpr Field over() const {
+    Field changed = *this;
+    changed.sweeps = true;
+    return changed;
+  }
+  constexpr Field following() const {
+    Field changed = *this;
+    changed.follows = true;
+    return changed;
+  }
+  constexpr Field apart(std::string_view name) const {
+    Field changed = *this;
+    changed.tells_apart = true;
+    changed.title = name;
+    return changed;
+  }
+  constexpr Field column(std::string_view name) const {
+    Field changed = *this;
+    changed.heading = name;
+    return changed;
+  }
+  constexpr Field plot(std::string_view name, std::string_view in = {}) const {
+    Field changed = *this;
+    changed.plotted = true;
+    changed.title = name;
+    changed.unit = in;
+    return changed;
+  }
+  constexpr Field unless_zero() const {
+    Field changed = *this;
+    changed.skip_zeros = true;
+    return changed;
+  }
+  constexpr Field with_samples(std::string_view field) const {
+    Field changed = *this;
+    changed.samples = field;
+    return changed;
+  }
+  constexpr Field within(std::string_view least, std::string_view most) const {
+    Field changed = *this;
+    changed.low = least;
+    changed.high = most;
+    return changed;
+  }
+  constexpr Field plus(std::string_view field) const {
+    Field changed = *this;
+    changed.added = field;
+    return changed;
+  }
+};
+
+constexpr Field choice(std::string_view key, Tools by, std::string_view title,
+                       std::string_view unit = {}) {
+  return {.key = key,
+          .by = by,
+          .role = Role::choice,
+          .title = title,
+          .unit = unit,
+          .tells_apart = true};
+}
+constexpr Field condition(std::string_view key, Tools by) {
+  return {.key = key, .by = by, .role = Role::condition};
+}
+constexpr Field figure(std::string_view key, Tools by) {
+  return {.key = key, .by = by, .role = Role::figure};
+}
+
+}  // namespace irt::results
