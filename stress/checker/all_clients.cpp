@@ -65,12 +65,15 @@ std::vector<std::string> all_clients(const Claims& claims, unsigned calls) {
   const auto add = [&](const std::string& prologue, const Words& threads) {
     Shape shape{.prologue = prologue, .threads = threads, .epilogue = "", .capacity = 0, .age = 0};
     if (!allows(claims, shape)) return;
-    if (!claims.bounded) return result.push_back(to_string(shape));
     std::size_t pushes = most_held(shape);
     for (const std::string& thread : threads)
       pushes += static_cast<std::size_t>(std::count(thread.begin(), thread.end(), 'E'));
-    for (shape.capacity = 1; shape.capacity <= std::max<std::size_t>(pushes, 1); ++shape.capacity)
-      result.push_back(to_string(shape));
+    const std::size_t largest = claims.bounded ? std::max<std::size_t>(pushes, 1) : 0;
+    for (shape.capacity = claims.bounded ? 1 : 0; shape.capacity <= largest; ++shape.capacity)
+      for (const char* end : {"", "X"}) {
+        shape.epilogue = end;
+        if (pushes != 0 || shape.epilogue.empty()) result.push_back(to_string(shape));
+      }
   };
   for (unsigned size = 1; size <= calls; ++size)
     for (unsigned before = 0; before < size; ++before) {

@@ -13,7 +13,8 @@ inline constexpr unsigned most_calls = 6;
 
 /// Every client that makes at least one and at most `calls` pushes and pops, before the threads
 /// start and in them, with any number of threads and as far as the claims allow; each as it is, and
-/// with every signal of one thread for which one other waits. Smaller ones first.
+/// with every signal of one thread for which one other waits. Where anything is pushed, the queue
+/// is emptied at the end, and in a client of its own destroyed as it is. Smaller ones first.
 ///
 /// Up to the order of the threads, and for a bounded queue with each capacity up to what the client
 /// pushes, and one at least. Left out is what another one does as well: a prologue before a single

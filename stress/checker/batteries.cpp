@@ -36,12 +36,16 @@ std::vector<std::string> battery(const Claims& claims) {
   // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing. The
   // long ones empty a page or a batch of retired nodes, or steal, while another thread holds on to
   // a node. Rings are filled and go round at capacities that are powers of two and that are none.
+  // Those with an X are destroyed with elements inside: never popped from, full, gone round, more
+  // than a block of 32, after pushes that failed, beside a pop.
   static const std::vector<std::string> all{
-      "F:D@1",    "F:D@2",        "F:D@3",        "F:D@5",        "E|D",      "E:D|D",
-      "ES|WD",    "ED|ED",        "E|E|D",        "E|D|D",        "EE|DD",    "E:R|R",
-      "EE:D|DD",  "EES|D|WD",     "EE:DE|D",      "EE:DD|D",      "E:E|D|E",  "EE|D|D",
-      "EE|DD@3",  "EEE:DE|D@3",   "EEEEE:D|E@5",  "EDD|E",        "E|E|DD",   "EEE|DD",
-      "EE:DD|ED", "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD"};
+      "F:D@1",        "F:D@2",        "F:D@3",    "F:D@5",    "E|D",       "E:D|D",
+      "ES|WD",        "E;X",          "F;X@1",    "F;X@2",    "F;X@3",     "ED|ED",
+      "E|E|D",        "E|D|D",        "E|E;X",    "EE|D;X",   "F:D|E;X@3", "(E)*70:D|E;X",
+      "EE|DD",        "E:R|R",        "EE:D|DD",  "EES|D|WD", "EE:DE|D",   "EE:DD|D",
+      "EE|DE;X",      "EE:D|DE;X",    "E:E|D|E",  "EE|D|D",   "EE|DD@3",   "EEE:DE|D@3",
+      "EDD|E",        "EEEEE:D|E@5",  "E|E|DD",   "EEE|DD",   "EE:DD|ED",  "EEEE:DDDDD|E",
+      "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD"};
   return fitting(all, claims);
 }
 
@@ -59,12 +63,12 @@ std::vector<std::string> aged_battery(const Claims& claims, bool old) {
   };
   if (!claims.bounded) {
     // The wrap comes with a push of the prologue, or with one of the threads.
-    for (const char* shape : {"EE:D|EE", "E:DE|DE"}) add(3, shape, "");
+    for (const char* shape : {"EE:D|EE", "E:DE|DE", "EE:D|E;X"}) add(3, shape, "");
     return fitting(all, claims);
   }
   for (const std::size_t capacity : {3U, 1U, 2U, 5U}) {
     if (old && capacity != 3) continue;
-    for (const char* shape : {"F:DD|EE", "E:DD|EEE"})
+    for (const char* shape : {"F:DD|EE", "E:DD|EEE", "F:D|E;X"})
       add(capacity, shape, "@" + std::to_string(capacity));
   }
   if (!old)

@@ -46,6 +46,7 @@ Shape GeneratedShapes::draw(unsigned steps) {
     if (again.find_first_of("SW") == std::string::npos) again += again;
   }
   add_size_and_age(shape);
+  if (one_in(4)) shape.epilogue = "X";
   return shape;
 }
 

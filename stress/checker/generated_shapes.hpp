@@ -13,8 +13,8 @@ namespace irt::checker {
 
 /// Draws clients that a queue's claims allow: two to four threads, each pushing and popping as its
 /// roles let it; elements from before the threads; signals, by which also a role for one is handed
-/// over; repeated parts; for bounded queues capacities 1, 2, 3 and 5, and queues to be filled.
-/// The same claims and seed give the same shapes in the same order.
+/// over; repeated parts; for bounded queues capacities 1, 2, 3 and 5, and queues to be filled; one
+/// in four destroyed as it is. The same claims and seed give the same shapes in the same order.
 class GeneratedShapes {
  public:
   GeneratedShapes(const Claims& claims, std::uint64_t seed);

@@ -175,12 +175,13 @@ std::string to_string(const Operation& o) {
                                     : "empty");
 }
 
-Opinion judge(const std::vector<Operation>& operations, const Claims& claims,
-              std::size_t capacity) {
+Opinion judge(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity,
+              bool emptied) {
   if (auto wrong = judge_frame_end(operations)) return {std::move(wrong)};
   const stress::Specification specification(claims, capacity);
-  const stress::Judgement judgement =
-      stress::judge_in_every_order(calls_of(operations), specification);
+  stress::Calls calls = calls_of(operations);
+  if (!emptied) calls.leave_inside();
+  const stress::Judgement judgement = stress::judge_in_every_order(calls, specification);
   if (!judgement.breach) return {std::nullopt, judgement.decided};
   return {Sentence(operations, specification).of(*judgement.breach)};
 }

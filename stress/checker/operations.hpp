@@ -49,7 +49,9 @@ struct Opinion {
 };
 
 /// What is wrong with `operations` by the claims, if anything, as stress/history/specification.hpp
-/// has it. All operations are finished, the last ones empty the queue; phases follow each other.
-Opinion judge(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity);
+/// has it. All operations are finished, the last ones empty the queue if it is `emptied`; phases
+/// follow each other.
+Opinion judge(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity,
+              bool emptied = true);
 
 }  // namespace irt::checker

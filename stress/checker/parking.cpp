@@ -42,7 +42,8 @@ bool pop_waits_until_closed(const QueueEntry& entry, virtual_cores::Module& modu
 
 std::vector<std::string> parking_battery(const Claims& claims) {
   return fitting({"E|D;C", "C|D", "E:D|C", "ED|ED;C", "EE|DD;C", "E|E|DD;C", "EE|D|D;C", "E|C|D",
-                  "C|D|D", "E|E|D|D;C", "EC|D|D", "ED|E|D;C", "EE|ED|DD;C", "EEE|D|DD;C"},
+                  "C|D|D", "E|E|D|D;C", "EC|D|D", "ED|E|D;C", "EE|ED|DD;C", "EEE|D|DD;C", "E;X",
+                  "E|E;X", "EE|D;X", "EEC|D;X"},
                  claims);
 }
 

@@ -123,7 +123,7 @@ class QueueCheck {
                                                      : std::vector<std::string>{"EE|EE"};
     std::vector<std::string> result;
     for (const std::string& shape : shapes_)
-      if (shape.find_first_of("WFT") == std::string::npos) result.push_back(shape);
+      if (shape.find_first_of("WFTX") == std::string::npos) result.push_back(shape);
     return result;
   }
 

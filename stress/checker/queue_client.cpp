@@ -47,7 +47,7 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
     if (stopped && entry_.claims.pop == Progress::blocking) return;
     run_letters(shape_.epilogue, count);
-    drain(count, stopped);
+    if (!leaves_inside(shape_) || stopped) drain(count, stopped);
     // A queue with a call in the middle of it cannot be destroyed.
     if (!stopped) delete queue_;
   };
@@ -301,7 +301,7 @@ std::optional<std::string> QueueClient::judge_history(const Execution& execution
   }
   const auto known = judged_.find(key);
   if (known != judged_.end() && known->second) return std::nullopt;
-  Opinion opinion = judge(operations_, entry_.claims, capacity_);
+  Opinion opinion = judge(operations_, entry_.claims, capacity_, !leaves_inside(shape_));
   judged_[key] = !opinion.wrong;
   if (!opinion.decided)
     Execution::current_execution()->note_incomplete(

@@ -1,10 +1,10 @@
 /// A client of one queue: a shape, and the judgement of what the queue answered.
 ///
-/// After the threads the queue is emptied and destroyed. Thread t works for worker t; what comes
-/// before and after is done on behalf of worker 0 or, where the queue is for one producer or one
-/// consumer, of the worker that is it; who takes such a role over acts for that worker, too. The
-/// workers that pop in the shape empty the queue, all workers if none does. Nobody acts for a
-/// thread that was stopped.
+/// After the threads the queue is emptied and destroyed, or destroyed as it is. Thread t works for
+/// worker t; what comes before and after is done on behalf of worker 0 or, where the queue is for
+/// one producer or one consumer, of the worker that is it; who takes such a role over acts for that
+/// worker, too. The workers that pop in the shape empty the queue, all workers if none does. Nobody
+/// acts for a thread that was stopped.
 ///
 /// Each element stands for something that its thread writes just before the push, and that is read
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.

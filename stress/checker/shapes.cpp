@@ -10,7 +10,7 @@ namespace irt::checker {
 
 namespace {
 
-constexpr std::string_view steps = "EDRTFSWC";
+constexpr std::string_view steps = "EDRTFSWCX";
 
 /// The parser of one text: every mistake names it.
 class Parser {
@@ -44,6 +44,7 @@ class Parser {
       if (bar == std::string_view::npos) break;
       rest.remove_prefix(bar + 1);
     }
+    check_end(shape);
     if (shape.threads.size() + 1 > max_threads)
       wrong("at most " + std::to_string(max_threads - 1) + " threads");
     return shape;
@@ -81,7 +82,7 @@ class Parser {
       else if (letter != ' ')
         wrong(
             std::string("'") + letter +
-            "' is no step; steps are E D R T F S W C, threads are parted by '|', a prologue ends "
+            "' is no step; steps are E D R T F S W C X, threads are parted by '|', a prologue ends "
             "with ':', an epilogue follows ';', a capacity '@', an age '+', and (ED)*3 is EDEDED");
       check_length(letters.size());
     }
@@ -110,6 +111,15 @@ class Parser {
     if (length > most_steps)
       wrong("more than " + std::to_string(most_steps) +
             " steps; what comes before anything else can be an age, as in EE:D|D+65000");
+  }
+
+  void check_end(const Shape& shape) const {
+    std::string others =
+        shape.prologue +
+        shape.epilogue.substr(0, std::max<std::size_t>(shape.epilogue.size(), 1) - 1);
+    for (const std::string& thread : shape.threads) others += thread;
+    if (others.find('X') != std::string::npos)
+      wrong("'X', which destroys the queue as it is, comes last of all and after ';', as in E|D;X");
   }
 
   std::string_view text_;
@@ -158,6 +168,10 @@ std::string to_string(const Shape& shape) {
   return text;
 }
 
+bool leaves_inside(const Shape& shape) {
+  return shape.epilogue.ends_with('X');
+}
+
 std::size_t most_held(const Shape& shape) {
   std::size_t held = 0;
   std::size_t most = 0;
@@ -170,8 +184,9 @@ std::size_t most_held(const Shape& shape) {
 
 std::size_t calls_of(const Shape& shape) {
   const auto calls = [](const std::string& word) {
-    return static_cast<std::size_t>(std::count_if(
-        word.begin(), word.end(), [](char step) { return step != 'S' && step != 'W'; }));
+    return static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char step) {
+      return std::string_view("SWX").find(step) == std::string_view::npos;
+    }));
   };
   std::size_t sum = calls(shape.prologue) + calls(shape.epilogue);
   for (const std::string& thread : shape.threads) sum += calls(thread);

@@ -19,6 +19,8 @@
 ///     E:D|D+250    before anything else one worker has made 250 pairs of a push and a pop
 ///
 ///     C  close: push `close_word`, for queues whose pop waits until they are closed
+///
+///     E|D;X        at the end of an epilogue: the queue is destroyed as it is, not emptied first
 #pragma once
 
 #include <cstddef>
@@ -49,6 +51,9 @@ inline constexpr std::size_t most_steps = 10'000;
 Shape parse_shape(std::string_view text);
 /// The shortest way to write it that this file knows; `parse_shape` makes the same shape of it.
 std::string to_string(const Shape& shape);
+
+/// Whether the queue is destroyed with what is inside at the end.
+bool leaves_inside(const Shape& shape);
 
 /// How many elements the prologue has inside at once, as far as E and D say.
 std::size_t most_held(const Shape& shape);

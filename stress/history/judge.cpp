@@ -81,6 +81,7 @@ Verdict judge(const History& history, const Claims& claims, std::size_t capacity
   for (std::size_t worker = 0; worker < history.logs.size(); ++worker) {
     History own{.logs = std::vector<std::vector<Operation>>(history.logs.size()),
                 .drain = {},
+                .emptied = history.emptied,
                 .error = history.error};
     own.logs[worker] = history.logs[worker];
     // What others popped of this worker's elements is for their own histories to explain.

@@ -27,8 +27,8 @@ struct Verdict {
 /// Judges `history`, made on a queue built with `capacity`, by what `claims` mean
 /// (specification.hpp):
 ///
-///     every queue          exactly once; the drain leaves nothing behind; *full* never without a
-///                          bound; *empty* and *full* by happens-before
+///     every queue          exactly once; the drain, if there was one, leaves nothing behind;
+///                          *full* never without a bound; *empty* and *full* by happens-before
 ///     per_producer_fifo    order within a producer, by happens-before
 ///     k_relaxed_fifo       no pop passes more than k older elements, in real time
 ///     fifo_happens_before  order by happens-before

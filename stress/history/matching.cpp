@@ -26,7 +26,7 @@ Matching::Matching(const History& history) : history_(&history) {
   for (const Operation& operation : history.drain) {
     if (operation.kind == Kind::pop) note_pop(operation);
   }
-  report_lost();
+  if (history.emptied) report_lost();
 }
 
 const Life* Matching::find(Element e) const {

@@ -49,6 +49,7 @@ struct Operation {
 struct History {
   std::vector<std::vector<Operation>> logs;  ///< by worker
   std::vector<Operation> drain;              ///< pops made after every worker had stopped
+  bool emptied = true;                       ///< by these, so that nothing stays inside
   /// A bound, in ticks, on how far a stamp may be from the true moment. Oracles widen every
   /// interval by it on both sides.
   Stamp error = 0;

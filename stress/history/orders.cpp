@@ -13,12 +13,18 @@ namespace {
 constexpr std::size_t nobody = ~std::size_t{0};
 constexpr std::uint64_t any_number = ~std::uint64_t{0};
 
-/// Which call pushed an element and which took it.
+/// Which call pushed an element and which took it: `nobody`, which all calls precede, where it is
+/// still inside.
 struct Fate {
   std::size_t push = nobody;
   std::size_t pop = nobody;
 };
 using Fates = std::unordered_map<Element, Fate>;
+
+/// The call that shows where an element is in the end.
+std::size_t last_of(const Fate& fate) {
+  return fate.pop == nobody ? fate.push : fate.pop;
+}
 
 bool has_effect(const Call& call, Kind kind) {
   return call.kind == kind && !call.no_effect;
@@ -38,7 +44,7 @@ Fates fates_of(const Calls& calls) {
 }
 
 /// What every queue owes: what comes out was put in, once, before, for this worker if each has a
-/// queue of its own, and nothing stays behind.
+/// queue of its own, and nothing stays behind where the queue was emptied.
 std::optional<Breach> judge_elements(const Calls& calls, const Claims& claims) {
   const std::vector<Call>& all = calls.all();
   Fates fates;
@@ -54,7 +60,8 @@ std::optional<Breach> judge_elements(const Calls& calls, const Claims& claims) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!has_effect(all[i], Kind::push)) continue;
     const std::size_t pop = fates[all[i].value].pop;
-    if (pop == nobody) return Breach{Pattern::lost, {i}};
+    if (pop == nobody && calls.emptied()) return Breach{Pattern::lost, {i}};
+    if (pop == nobody) continue;
     if (calls.precedes(pop, i)) return Breach{Pattern::fresh, {pop, i}};
     if (claims.consumers == Callers::own_worker && all[pop].worker != all[i].worker)
       return Breach{Pattern::fresh, {pop, i}};
@@ -67,13 +74,13 @@ std::optional<Breach> judge_pairs(const Calls& calls, const Fates& fates, bool s
   const std::vector<Call>& all = calls.all();
   for (std::size_t a = 0; a < all.size(); ++a) {
     if (!has_effect(all[a], Kind::push)) continue;
-    const std::size_t first = fates.at(all[a].value).pop;
+    const Fate& first = fates.at(all[a].value);
     for (std::size_t b = a + 1; b < all.size(); ++b) {
       if (!has_effect(all[b], Kind::push)) continue;
       if (same_producer && all[a].worker != all[b].worker) continue;
       const std::size_t second = fates.at(all[b].value).pop;
-      if (calls.precedes(a, b) && calls.precedes(second, first))
-        return Breach{Pattern::order, {second, first, b, a}};
+      if (calls.precedes(a, b) && calls.precedes(second, first.pop))
+        return Breach{Pattern::order, {second, last_of(first), b, a}};
     }
   }
   return std::nullopt;
@@ -139,14 +146,14 @@ class Answers {
             !(calls_.precedes(fate.push, i) && calls_.precedes(i, fate.pop)))
           in_flight.doubtful_empty = true;
       if (!specification_.allows_empty(in_flight, found_again(at, fate.pop)))
-        return Breach{Pattern::witness, {at, fate.push, fate.pop}};
+        return Breach{Pattern::witness, {at, fate.push, last_of(fate)}};
     }
     return std::nullopt;
   }
 
   bool found_again(std::size_t at, std::size_t pop) const {
     const unsigned worker = calls_.all()[at].worker;
-    if (calls_.all()[pop].worker != worker) return false;
+    if (pop == nobody || calls_.all()[pop].worker != worker) return false;
     for (std::size_t i = 0; i < calls_.all().size(); ++i)
       if (calls_.all()[i].worker != worker && !calls_.precedes(i, at) && !calls_.precedes(pop, i))
         return false;
@@ -316,7 +323,7 @@ Judgement judge_orders(const Calls& calls, const Fates& fates, const Specificati
       breach.pattern = Pattern::witness;
       for (const auto& [value, fate] : fates) {
         if (!calls.precedes(fate.push, answer) || !calls.precedes(answer, fate.pop)) continue;
-        breach.calls = {answer, fate.push, fate.pop};
+        breach.calls = {answer, fate.push, last_of(fate)};
         break;
       }
     }

@@ -36,6 +36,10 @@ class Calls {
     past_[b - before_][(a - before_) / 64] |= std::uint64_t{1} << (a - before_) % 64;
   }
 
+  /// Says that nobody emptied the queue: what did not come out may be inside.
+  void leave_inside() { emptied_ = false; }
+  [[nodiscard]] bool emptied() const { return emptied_; }
+
   [[nodiscard]] bool precedes(std::size_t a, std::size_t b) const;
   [[nodiscard]] const std::vector<Call>& all() const { return calls_; }
   /// The calls in the middle are those in [begin, end).
@@ -49,6 +53,7 @@ class Calls {
   std::size_t before_;
   std::size_t after_;
   std::vector<std::vector<std::uint64_t>> past_;
+  bool emptied_ = true;
 };
 
 /// What is wrong, and with which calls: their numbers in `Calls::all()`, the one at fault first.
@@ -58,10 +63,9 @@ class Calls {
 /// | fresh | pop; its push, if somebody pushed that (later, or for another worker) |
 /// | repeat | the second pop, the first, the push |
 /// | lost | the push |
-/// | order | two pops and their pushes, the wrong way round; none if it takes more to show it |
-/// | full | the push that answered so |
-/// | witness | the pop that answered *empty*, and a push and a pop if one element refutes it; none
-/// if
+/// | order | two pops and their pushes, the wrong way round; none if it takes more to show it; for
+/// an element that stayed inside its push twice | | full | the push that answered so | | witness |
+/// the pop that answered *empty*, and a push and a pop if one element refutes it; none if
 ///   several answers cannot all be true, though each could |
 struct Breach {
   Pattern pattern = Pattern::fresh;
@@ -74,8 +78,8 @@ struct Judgement {
   bool decided = true;
 };
 
-/// Judges calls of which the last ones emptied the queue. Tries at most `most_states` states of
-/// calls made and elements held; time and memory grow with them.
+/// Judges calls of which the last ones emptied the queue, if `calls` says so. Tries at most
+/// `most_states` states of calls made and elements held; time and memory grow with them.
 Judgement judge_in_every_order(const Calls& calls, const Specification& specification,
                                std::size_t most_states = 1'000'000);
 

@@ -8,6 +8,7 @@ namespace irt::stress {
 void bursts(Core& core);
 void built_and_dropped(Core& core);
 void full_ring(Core& core);
+void left_inside(Core& core);
 void mix(Core& core);
 void near_empty(Core& core);
 void parked(Core& core);

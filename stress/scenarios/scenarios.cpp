@@ -33,6 +33,12 @@ constexpr std::array all{
              4096, 1, renderer},
     Scenario{"built-and-dropped", "other queues are built and dropped, full, beside the one in use",
              2, 2, true, 64, 1, built_and_dropped},
+    Scenario{.name = "left-inside",
+             .summary = "more pushes than pops, and the queue is destroyed with what is left",
+             .capacity = 64,
+             .run = left_inside,
+             .drains = false,
+             .leaves_inside = true},
 };
 
 constexpr std::array waiting{

@@ -23,6 +23,7 @@ struct Scenario {
   unsigned generations = 1;    ///< threads that follow each other in the role of each worker
   void (*run)(Core& core) = nullptr;
   bool drains = true;  ///< what is left is popped at the end; not where `pop` would wait for ever
+  bool leaves_inside = false;  ///< the queue is destroyed with what is left
 };
 
 /// The part of each worker when a queue with certain claims meets a scenario.

@@ -96,6 +96,7 @@ class ScenarioRunner {
         if (age_ > 0) age(*queue);
         run_team(*queue, perturbation, seed);
         interrupter_.set_active(false);
+        history.emptied = !scenario_.leaves_inside;
         if (scenario_.drains) drain(*queue, history.drain);
       } catch (const std::exception& error) {
         finding = Finding{.claim = "keeps its contract", .evidence = error.what(), .repeat = {}};

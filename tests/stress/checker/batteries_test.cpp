@@ -138,6 +138,20 @@ TEST_F(DefaultCheck, stops_at_the_first_finding_or_collects_distinct_ones) {
   EXPECT_GE(all.shapes.size(), 3U) << "the other shapes are tried as well";
 }
 
+TEST_F(DefaultCheck, destroys_queues_with_elements_inside) {
+  for (const char* queue :
+       {"dropped-list-uses-bug", "dropped-list-leaks-bug", "dropped-list-twice-bug",
+        "dropped-ring-looks-bug", "dropped-ring-wipes-bug"}) {
+    EXPECT_FALSE(check_shape(queue, "EE|D").finding) << queue << ", emptied";
+    EXPECT_TRUE(check_shape(queue, "EE:S;X@2").finding) << queue;
+  }
+  for (const char* queue : {"dropped-list-fixed", "dropped-ring-fixed"})
+    for (const char* shape : {"EE:S;X@2", "EE|D;X", "F:DE|E;X@3", "F:D|E;X@3+250"}) {
+      const Result result = check_shape(queue, shape);
+      EXPECT_TRUE(result.finished && !result.finding) << queue << " on " << shape;
+    }
+}
+
 TEST_F(DefaultCheck, tries_every_client_of_few_calls) {
   const QueueResult result = check("narrow-index-fixed", {.seconds = 30, .all_clients = 3});
   EXPECT_EQ(found(result), nullptr) << found(result)->report;

@@ -2,6 +2,8 @@
 
 #include "tests/stress/cases/call_result.hpp"
 #include "tests/stress/cases/chase.hpp"
+#include "tests/stress/cases/dropped_list.hpp"
+#include "tests/stress/cases/dropped_ring.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
 #include "tests/stress/cases/load_time.hpp"
@@ -43,6 +45,13 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::SanitizerMacroBug>("sanitizer-macro-bug"),
     irt::queue_entry<irt::UnpublishedBug>("unpublished-bug"),
     irt::queue_entry<irt::UnpublishedFixed>("unpublished-fixed"),
+    irt::queue_entry<irt::DroppedListUsesBug>("dropped-list-uses-bug"),
+    irt::queue_entry<irt::DroppedListLeaksBug>("dropped-list-leaks-bug"),
+    irt::queue_entry<irt::DroppedListTwiceBug>("dropped-list-twice-bug"),
+    irt::queue_entry<irt::DroppedListFixed>("dropped-list-fixed"),
+    irt::queue_entry<irt::DroppedRingLooksBug>("dropped-ring-looks-bug"),
+    irt::queue_entry<irt::DroppedRingWipesBug>("dropped-ring-wipes-bug"),
+    irt::queue_entry<irt::DroppedRingFixed>("dropped-ring-fixed"),
     irt::queue_entry<irt::Chase>("chase"),
     irt::queue_entry<irt::ManySc>("many-sc"),
     irt::queue_entry<irt::ManySteps>("many-steps"),

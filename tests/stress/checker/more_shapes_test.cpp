@@ -63,6 +63,7 @@ TEST(GeneratedShapes, grow_and_vary) {
   EXPECT_TRUE(any(shapes, [](const Shape& s) { return s.prologue.size() >= 3; }));
   EXPECT_TRUE(any(shapes, [](const Shape& s) { return s.prologue == "F"; }));
   EXPECT_TRUE(any(shapes, [](const Shape& s) { return s.age > 60'000; }));
+  EXPECT_TRUE(any(shapes, leaves_inside));
   for (const std::size_t capacity : {1U, 2U, 3U, 5U})
     EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(),
                             [capacity](const Shape& s) { return s.capacity == capacity; }));
@@ -81,10 +82,13 @@ TEST(AllClients, of_two_calls_are_these) {
   const std::vector<std::string> clients = all_clients({}, 2);
   const std::set<std::string> all(clients.begin(), clients.end());
   EXPECT_EQ(clients.size(), all.size());
-  EXPECT_EQ(all, (std::set<std::string>{"E", "D", "EE", "ED", "DE", "DD",  // one thread
-                                        "E|E", "E|D", "D|D",               // two
-                                        "ES|WE", "ES|WD", "DS|WD",
-                                        "WE|DS"}));  // and one hears of the other
+  EXPECT_EQ(all, (std::set<std::string>{"E",     "D",       "EE",      "ED",     "DE",
+                                        "DD",                       // one thread
+                                        "E|E",   "E|D",     "D|D",  // two
+                                        "ES|WE", "ES|WD",   "DS|WD",
+                                        "WE|DS",  // and one hears of the other
+                                        "E;X",   "EE;X",    "ED;X",    "DE;X",   "E|E;X",
+                                        "E|D;X", "ES|WE;X", "ES|WD;X", "WE|DS;X"}));  // not emptied
 }
 
 TEST(AllClients, of_three_calls_have_what_was_pushed_before) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "stress/checker/batteries.hpp"
+#include "stress/checker/parking.hpp"
 
 namespace irt::checker {
 namespace {
@@ -15,8 +16,9 @@ constexpr Claims anything{.bounded = true};
 constexpr Claims single{.bounded = true, .producers = Callers::one, .consumers = Callers::one};
 
 TEST(Shapes, are_read_and_written_alike) {
-  for (const char* text : {"EE:D|ED", "E|D;C", "F:D@256", "EES|D|WD", "E:D|D@3+65534", "E:D|D+250",
-                           "(ED)*40|D", "EEE(ED)*200:(DE)*7|D;(E)*12@5"})
+  for (const char* text :
+       {"EE:D|ED", "E|D;C", "E|D;X", "F;EX@3", "F:D@256", "EES|D|WD", "E:D|D@3+65534", "E:D|D+250",
+        "(ED)*40|D", "EEE(ED)*200:(DE)*7|D;(E)*12@5"})
     EXPECT_EQ(to_string(parse_shape(text)), text);
 }
 
@@ -39,8 +41,10 @@ TEST(Shapes, hold_what_is_pushed_and_not_popped_again) {
 
 TEST(Shapes, are_refused_with_a_reason) {
   for (const char* text :
-       {"", "E|", "EX|D", "|D", "E|D@", "E|D@0", "E|D+", "E|D+0", "E|D+4x", "(ED|D", "ED)*3",
-        "(ED)3", "(ED)*0", "(ED)*", "((E)*9999)*2", "()*3", "(E)*99999999999999999999|D"})
+       {"",       "E|",    "EX|D",         "|D",     "E|D@",
+        "E|D@0",  "E|D+",  "E|D+0",        "E|D+4x", "(ED|D",
+        "ED)*3",  "(ED)3", "X:E",          "E|D;XE", "E|D;XX",
+        "(ED)*0", "(ED)*", "((E)*9999)*2", "()*3",   "(E)*99999999999999999999|D"})
     EXPECT_THROW(parse_shape(text), std::invalid_argument) << text;
 }
 
@@ -106,6 +110,18 @@ TEST(Batteries, age_a_queue_to_just_before_a_counter_wraps) {
     EXPECT_FALSE(crosses(claims, false, std::uint64_t{1} << 32U)) << "that takes minutes";
     EXPECT_TRUE(crosses(claims, true, std::uint64_t{1} << 32U));
   }
+}
+
+TEST(Batteries, destroy_queues_with_elements_inside) {
+  const auto left = [](const std::vector<std::string>& shapes) {
+    return std::count_if(shapes.begin(), shapes.end(),
+                         [](const std::string& text) { return leaves_inside(parse_shape(text)); });
+  };
+  for (const Claims& claims : {anything, single, Claims{}}) {
+    EXPECT_GE(left(battery(claims)), 3);
+    EXPECT_GE(left(aged_battery(claims)), 4);
+  }
+  EXPECT_GE(left(parking_battery({})), 3);
 }
 
 TEST(Batteries, let_each_thread_do_what_the_claims_allow) {

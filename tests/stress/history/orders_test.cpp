@@ -406,6 +406,41 @@ TEST(Orders, AgreeWithTheTableTakenLiterallyOn50000Histories) {
   EXPECT_LT(accepted, samples * 9 / 10);
 }
 
+// What stays inside would come out in some order: the calls are right if they are with that.
+TEST(Orders, WhatStaysInsideIsAsIfItCameOutInSomeOrder) {
+  Random random(7);
+  int accepted = 0;
+  constexpr int samples = 5'000;
+  for (int i = 0; i < samples; ++i) {
+    const std::size_t capacity = 1 + below(random, 3);
+    Sample sample = random_sample(random, 2, static_cast<unsigned>(3 + below(random, 5)), capacity);
+    const Claims claims = random_claims(random);
+    const Specification specification(claims, capacity);
+    const auto by_time = [&](std::size_t a, std::size_t b) {
+      return sample.times[a].second < sample.times[b].first;
+    };
+    const auto first_left =
+        sample.calls.end() - static_cast<std::ptrdiff_t>(sample.history.drain.size());
+    const auto by_value = [](const Call& a, const Call& b) { return a.value < b.value; };
+    std::sort(first_left, sample.calls.end(), by_value);
+    bool in_some_order = false;
+    do {
+      const Calls emptied = ordered(sample.calls, sample.history.drain.size(), by_time);
+      in_some_order =
+          in_some_order || !judge_in_every_order(emptied, specification).breach.has_value();
+    } while (std::next_permutation(first_left, sample.calls.end(), by_value));
+    sample.calls.erase(first_left, sample.calls.end());
+    Calls left = ordered(sample.calls, 0, by_time);
+    left.leave_inside();
+    ASSERT_EQ(!judge_in_every_order(left, specification).breach, in_some_order)
+        << print(sample, claims, capacity);
+    accepted += in_some_order ? 1 : 0;
+  }
+  EXPECT_GT(accepted, samples / 4);
+  EXPECT_LT(accepted, samples * 9 / 10);
+  EXPECT_EQ(breach(ordered({{Kind::push, 0, 1}}, 0, always), {}, 1), Pattern::lost) << "emptied";
+}
+
 /// Ordered by the closure of each worker's own order and push -> pop, with the drain after all;
 /// none if that is a cycle.
 std::optional<Calls> by_happens_before(const Sample& sample) {

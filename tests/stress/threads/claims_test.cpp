@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "../cases/answers.hpp"
+#include "../cases/dropped_list.hpp"
+#include "../cases/dropped_ring.hpp"
 #include "../cases/one_short.hpp"
 #include "../cases/roles.hpp"
 #include "../cases/unpublished.hpp"
@@ -38,6 +40,22 @@ TEST(ClaimsOnThreads, AsksForNoMoreThanIsClaimed) {
     EXPECT_EQ(claim_of(run(queue, 0.5, run_faults)), "nothing") << queue.name;
     EXPECT_EQ(claim_of(run(queue, 0.5, run_progress)), "nothing") << queue.name;
   }
+}
+
+TEST(ClaimsOnThreads, DestroysQueuesWithElementsInside) {
+  for (const QueueEntry& queue : {queue_entry<DroppedListFixed>("dropped-list"),
+                                  queue_entry<DroppedRingFixed>("dropped-ring")}) {
+    const Result result = run_on(queue, "left-inside", 0.5);
+    EXPECT_TRUE(result.findings.empty()) << queue.name << ": " << result.findings[0].evidence;
+  }
+  EXPECT_NE(claim_of(run_on(queue_entry<DroppedListTwiceBug>("frees-twice"), "left-inside", 3)),
+            "nothing");
+  EXPECT_NE(claim_of(run_on(queue_entry<DroppedRingLooksBug>("looks"), "left-inside", 3)),
+            "nothing");
+  if (sanitizer != Sanitizer::address) GTEST_SKIP() << "only AddressSanitizer sees the others";
+  for (const QueueEntry& queue :
+       {queue_entry<DroppedListUsesBug>("uses"), queue_entry<DroppedListLeaksBug>("leaks")})
+    EXPECT_NE(claim_of(run_on(queue, "left-inside", 3)), "nothing") << queue.name;
 }
 
 TEST(ClaimsOnThreads, FindsElementsThatAreNotPublished) {
