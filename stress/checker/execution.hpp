@@ -58,6 +58,7 @@ struct Limits {
   bool weak_may_fail = false;        ///< compare_exchange_weak fails for no reason, as a choice
   bool spurious_wakeups = false;     ///< futex and condition waits end for no reason, as a choice
   bool leaks = true;                 ///< blocks that are never freed are findings
+  bool uninitialised = true;         ///< reads of memory that nothing was written to are findings
   bool races = true;  ///< data races are findings; if not, plain reads see what memory holds
 };
 

@@ -53,7 +53,8 @@ void Execution::check_touch(std::uintptr_t address, std::size_t size, bool write
     touch_cell(first, bits(first + 8 - address) << (address - first));
     for (std::uintptr_t at = first + 8; at < end; at += 8)
       touch_cell(at, bits(std::min<std::uintptr_t>(end - at, 8)));
-  } else if (!touch_cell(first, bits(size) << (address - first)) && !writes) {
+  } else if (!touch_cell(first, bits(size) << (address - first)) && !writes &&
+             limits_.uninitialised) {
     report(FindingKind::uninitialised_read,
            "the read at {0} is of memory that nothing was written to since it was allocated at "
            "{1}",

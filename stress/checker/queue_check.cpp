@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <fstream>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -41,6 +42,14 @@ bool is_atomic(const std::string& instruction) {
   return false;
 }
 
+/// What the module does without telling, found once for each.
+const UnseenInstructions& unseen_instructions_of(virtual_cores::Module& module) {
+  static std::map<std::pair<std::string, std::uintptr_t>, UnseenInstructions> known;
+  const auto [found, fresh] = known.try_emplace({module.file(), module.load_offset()});
+  if (fresh) found->second = Symbols(module).unseen_instructions();
+  return found->second;
+}
+
 /// The checks of one queue, one after the other, until something is found or time is up.
 class QueueCheck {
  public:
@@ -48,16 +57,21 @@ class QueueCheck {
              const std::string& command)
       : entry_(entry),
         module_(module),
-        settings_(settings),
+        settings_(as_seen(settings, module)),
         shapes_(settings.shapes.empty() ? battery(entry.claims) : settings.shapes),
-        searches_(entry, module, settings, command),
+        searches_(entry, module, settings_, command),
         clocked_(settings.real_time.value_or(false)) {}
 
   QueueResult run() {
     all_.unseen = module_.unseen_calls();
-    if (settings_.reports) all_.unseen_instructions = Symbols(module_).unseen_instructions();
+    const UnseenInstructions& unseen = unseen_instructions_of(module_);
+    if (settings_.reports) all_.unseen_instructions = unseen.places;
     if (!all_.unseen.empty())
       all_.unproved = "it calls compiled code";
+    else if (settings_.reports && unseen.stores != 0)
+      all_.unproved = fmt::format(
+          "it makes {} store{} that no hook announces, so that nobody knows what was written",
+          unseen.stores, unseen.stores == 1 ? "" : "s");
     else if (!all_.unseen_instructions.empty())
       all_.unproved = "not all that it does to memory is seen";
     const auto hidden =
@@ -279,7 +293,7 @@ class QueueCheck {
 
   const QueueEntry& entry_;
   virtual_cores::Module& module_;
-  const CheckSettings& settings_;
+  const CheckSettings settings_;
   std::vector<std::string> shapes_;
   std::set<std::string> allocating_;   ///< shapes whose threads allocate
   double most_seconds_ = 1e9;          ///< of one search in search_all; who needs more ...
@@ -293,6 +307,12 @@ class QueueCheck {
 
 }  // namespace
 
+CheckSettings as_seen(CheckSettings settings, virtual_cores::Module& module) {
+  if (!module.unseen_calls().empty() || unseen_instructions_of(module).stores != 0)
+    settings.options.limits.uninitialised = false;
+  return settings;
+}
+
 QueueResult check_queue(const QueueEntry& entry, virtual_cores::Module& module,
                         const CheckSettings& settings, const std::string& command) {
   return QueueCheck(entry, module, settings, command).run();
@@ -305,7 +325,8 @@ std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
                      settings.real_time.value_or(false));
   Result result;
   result.schedule = parse_schedule(schedule);
-  const auto execution = repeat(client.scenario(), settings.options, result.schedule);
+  const Options options = as_seen(settings, module).options;
+  const auto execution = repeat(client.scenario(), options, result.schedule);
   if (execution == nullptr) return "";
   result.finding = execution->finding();
   Symbols symbols(module);

@@ -56,6 +56,10 @@ struct QueueResult {
   std::size_t not_tried = 0;  ///< of these clients
 };
 
+/// `settings` without what cannot be judged of this module: where compiled code or a store that no
+/// hook announces may write, nobody knows what memory was not written.
+CheckSettings as_seen(CheckSettings settings, virtual_cores::Module& module);
+
 /// Checks the queue in `module`. Stops at the first finding, unless it is to keep going: then each
 /// kind and place of a finding has one entry. `command` is how to call the tool
 /// again for this queue.

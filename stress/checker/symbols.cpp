@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
+#include <set>
 
 #include "stress/checker/unannounced.hpp"
 
@@ -46,6 +47,11 @@ bool escapes_hooks(std::string_view instruction) {
          std::any_of(always.begin(), always.end(), [instruction](std::string_view name) {
            return instruction.starts_with(name);
          });
+}
+
+bool writes(std::string_view instruction) {
+  return instruction.find("fence") == std::string_view::npos && !instruction.starts_with("rdtsc") &&
+         !instruction.starts_with("xbegin");
 }
 
 std::string quoted(const std::string& text) {
@@ -114,16 +120,19 @@ Line Symbols::line_of(const std::vector<std::string>& frames) {
   return line;
 }
 
-std::vector<std::string> Symbols::unseen_instructions() {
-  std::vector<std::string> result;
+UnseenInstructions Symbols::unseen_instructions() {
+  std::set<std::string> places;
+  std::set<std::string> stores;
   const std::string file = quoted(module_.file());
   const std::vector<std::string> code =
       output_of("objdump -d -w --no-show-raw-insn " + file + " 2>/dev/null");
-  const auto add = [&](std::uint64_t at, std::string_view instruction) {
+  const auto add = [&](std::uint64_t at, std::string_view instruction, bool store) {
     const std::uintptr_t address = module_.load_offset() + at;
     // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
-    const std::string place = name(reinterpret_cast<const void*>(address + 1));
-    result.push_back(fmt::format("{} at {}", instruction, place));
+    const std::string line = name(reinterpret_cast<const void*>(address + 1));
+    const std::string place = fmt::format("{} at {}", instruction, line);
+    places.insert(place);
+    if (store) stores.insert(place);
   };
   for (const std::string& line : code) {
     const std::size_t tab = line.find('\t');
@@ -132,14 +141,12 @@ std::vector<std::string> Symbols::unseen_instructions() {
     if (!escapes_hooks(instruction)) continue;
     const std::size_t words = instruction.starts_with("lock ") ? instruction.find(' ') + 1 : 0;
     const std::size_t end = instruction.find_first_of(" \t", words);
-    add(std::strtoull(line.c_str(), nullptr, 16), instruction.substr(0, end));
+    add(std::strtoull(line.c_str(), nullptr, 16), instruction.substr(0, end), writes(instruction));
   }
   for (const Unannounced& access :
        unannounced(code, output_of("objdump -h -w " + file + " 2>/dev/null")))
-    if (!escapes_hooks(access.name + " ")) add(access.address, access.name);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
-  return result;
+    if (!escapes_hooks(access.name + " ")) add(access.address, access.name, access.writes);
+  return {{places.begin(), places.end()}, stores.size()};
 }
 
 std::string Symbols::name(const void* pc) {

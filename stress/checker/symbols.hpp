@@ -16,6 +16,12 @@ struct Line {
   std::string text;  ///< the line itself, without indentation; empty if it cannot be read
 };
 
+/// Instructions that touch memory behind the checker's back.
+struct UnseenInstructions {
+  std::vector<std::string> places;  ///< "lock xadd at queue.hpp:12", each once
+  std::size_t stores = 0;           ///< those of them that write
+};
+
 /// Asks addr2line(1), once for each address or for many at a time.
 class Symbols {
  public:
@@ -31,10 +37,9 @@ class Symbols {
   /// "michael_scott_queue.hpp:84", or the bare address.
   std::string name(const void* pc);
 
-  /// Instructions of the module that touch memory behind the checker's back, by objdump(1):
-  /// "lock xadd at queue.hpp:12". They come from inline assembly, from intrinsics and from what the
-  /// compiler does not announce.
-  std::vector<std::string> unseen_instructions();
+  /// Those of the module, by objdump(1). They come from inline assembly, from intrinsics and from
+  /// what the compiler does not announce.
+  UnseenInstructions unseen_instructions();
 
  private:
   Line line_of(const std::vector<std::string>& frames);

@@ -41,7 +41,8 @@ std::vector<Order> weaker(const Execution::OrderSite& site) {
 }  // namespace
 
 std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module,
-                          const CheckSettings& settings) {
+                          const CheckSettings& given) {
+  const CheckSettings settings = as_seen(given, module);
   const std::vector<std::string> shapes =
       settings.shapes.empty() ? battery(entry.claims) : settings.shapes;
   // What only the clock's order needs is needed by a queue that claims it.

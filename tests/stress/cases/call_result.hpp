@@ -18,7 +18,7 @@ struct CallResultBox {
   T value;
 };
 template <class T>
-__attribute__((noinline)) CallResultBox<T> call_result_box(T task) {
+[[gnu::noinline, gnu::noipa]] CallResultBox<T> call_result_box(T task) {
   return {task};
 }
 
@@ -39,7 +39,8 @@ class CallResult_ {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     const std::size_t next = (tail + 1) % size_;
     if (next == head_.load(std::memory_order_acquire)) return false;
-    places_[tail] = call_result_box(task);
+    CallResultBox<T>& place = places_[tail];
+    place = call_result_box(task);
     tail_.store(next, publish);
     return true;
   }

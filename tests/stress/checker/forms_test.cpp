@@ -34,7 +34,7 @@ TEST_F(Forms, accesses_of_every_form_are_announced) {
 // What assembly does, and a function that is left out on purpose, is named; nothing else is.
 TEST_F(Forms, what_is_not_announced_is_named_by_its_line) {
   std::vector<std::string> names;
-  for (const std::string& unseen : Symbols(module_).unseen_instructions()) {
+  for (const std::string& unseen : Symbols(module_).unseen_instructions().places) {
     const std::size_t at = unseen.find(" at forms_probe.cpp:");
     ASSERT_NE(at, std::string::npos) << unseen;
     names.push_back(unseen.substr(0, at));
