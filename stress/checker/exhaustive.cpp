@@ -75,8 +75,12 @@ std::optional<std::size_t> Exhaustive::planned_place(Execution& execution, Event
   if (position_ == current_.plan.size()) return std::nullopt;
   const Graph& graph = execution.graph();
   const EventId store = graph.find(current_.plan[position_].from, location);
-  const std::size_t place = graph.place_of(store);
-  return event.kind == EventKind::store ? place + 1 : place;
+  const auto place = store == no_event ? std::nullopt : graph.find_place(location, store);
+  const std::size_t stores = event.kind == EventKind::store ? 1 : 0;
+  if (place) return *place + stores;
+  // The store is not made this time, or a racing plain write has ended the object it was made to.
+  differs_ = cut_ = true;
+  return graph.location(location).stores.size() - 1 + stores;
 }
 
 void Exhaustive::add(Work work) {

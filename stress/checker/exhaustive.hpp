@@ -43,6 +43,7 @@ class Exhaustive final : public Strategy {
   [[nodiscard]] bool expects_more(unsigned thread) const override;
   [[nodiscard]] bool expects_choice(unsigned thread, const void* pc) const override;
   [[nodiscard]] bool left_out() const override { return left_out_; }
+  [[nodiscard]] bool differs() const override { return differs_; }
   [[nodiscard]] double explored() const override { return explored_ / (explored_ + open_); }
   [[nodiscard]] bool counted_elsewhere() const override { return shared_ && shard_ != 0; }
   [[nodiscard]] bool gives_up() const override { return cut_; }
@@ -77,6 +78,7 @@ class Exhaustive final : public Strategy {
   unsigned shards_;
   std::size_t planned_ = 0;  ///< events in all plans, which bounds memory
   bool left_out_ = false;
+  bool differs_ = false;
   std::size_t offspring_ = 0;  ///< pieces of work that the execution in progress has added
   double explored_ = 0;        ///< weight of what is done ...
   double open_ = 1;            ///< ... and of what is not
