@@ -4,7 +4,9 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <fstream>
+#include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -13,8 +15,10 @@
 #include "stress/checker/generated_shapes.hpp"
 #include "stress/checker/parking.hpp"
 #include "stress/checker/report.hpp"
+#include "stress/checker/result_bytes.hpp"
 #include "stress/checker/shape_search.hpp"
 #include "stress/checker/verdict.hpp"
+#include "stress/checker/worker_pool.hpp"
 
 namespace irt::checker {
 
@@ -208,19 +212,102 @@ class QueueCheck {
     }
   }
 
-  /// As far as a number of executions goes, so that what is found does not depend on the machine.
-  void search_small(ShapeResult shape, std::uint64_t whole, std::uint64_t samples, double seconds) {
-    search(shape, Search::exhaustive, {.seconds = seconds, .executions = whole});
-    const bool goes_on = !shape.result.finished && !shape.result.finding &&
-                         shape.result.incomplete.empty() && samples != 0;
-    std::optional<ShapeResult> sampled;
-    if (goes_on && !done()) {
-      sampled = {.shape = shape.shape, .search = label(Search::pos), .origin = shape.origin};
-      search(*sampled, Search::pos,
-             {.seconds = std::min(seconds, left(until::all)), .executions = samples});
+  /// How far a small search goes: a number, so that what is found does not depend on the machine.
+  struct Small {
+    Origin origin = Origin::battery;
+    std::uint64_t whole = 0;    ///< executions of the whole search, at most
+    std::uint64_t samples = 0;  ///< and of the one after it, if that was not enough
+  };
+
+  /// The search of one shape, and its samples if there are any.
+  std::vector<ShapeResult> search_small(ShapeSearch& searches, const std::string& text,
+                                        const Small& small, double seconds) {
+    const auto found = [this](ShapeResult shape) { add(std::move(shape)); };
+    std::vector<ShapeResult> results{
+        {.shape = text, .search = label(Search::exhaustive), .origin = small.origin}};
+    searches.search(results[0], Search::exhaustive,
+                    {.seconds = seconds, .executions = small.whole, .clocked = clocked_}, found);
+    const Result& whole = results[0].result;
+    if (whole.finished || whole.finding || !whole.incomplete.empty() || small.samples == 0 ||
+        done())
+      return results;
+    ShapeResult sampled{.shape = text, .search = label(Search::pos), .origin = small.origin};
+    searches.search(sampled, Search::pos,
+                    {.seconds = std::min(seconds, left(until::all)),
+                     .executions = small.samples,
+                     .clocked = clocked_},
+                    found);
+    results.push_back(std::move(sampled));
+    return results;
+  }
+
+  using ShapeAt = std::function<std::string(std::uint64_t)>;
+  using SecondsFor = std::function<double(std::uint64_t)>;
+
+  /// Small searches of shapes 0 to `count`, while there is time; returns of how many.
+  std::uint64_t search_many(std::uint64_t count, const Small& small, const ShapeAt& shape_at,
+                            const SecondsFor& seconds_for) {
+    std::unique_ptr<WorkerPool> pool;
+    if (settings_.jobs > 1 && settings_.options.shards == 1)
+      pool = workers(count, small, shape_at, seconds_for);
+    for (std::uint64_t i = 0; i < count && !done(); ++i) {
+      std::vector<ShapeResult> results;
+      if (pool != nullptr) {
+        const std::optional<std::string> told = pool->next();
+        if (!told) return i;
+        results = from_bytes(*told, shape_at(i), small);
+      } else if (left(until::all) <= 0) {
+        return i;
+      }
+      // What a worker finds is found again here, where what is known and reported already is.
+      if (results.empty())
+        results = search_small(searches_, shape_at(i), small,
+                               std::max(seconds_for(i), pool == nullptr ? 0.0 : 2.0));
+      for (ShapeResult& shape : results) add(std::move(shape));
     }
-    add(std::move(shape));
-    if (sampled) add(std::move(*sampled));
+    return count;
+  }
+
+  std::unique_ptr<WorkerPool> workers(std::uint64_t count, const Small& small,
+                                      const ShapeAt& shape_at, const SecondsFor& seconds_for) {
+    CheckSettings own = settings_;
+    own.jobs = 1;
+    own.quiet = true;
+    own.reports = own.keep_going = false;
+    return std::make_unique<WorkerPool>(
+        settings_.jobs, settings_.seconds + 120,
+        [&, own, searches = std::shared_ptr<ShapeSearch>()](
+            std::uint64_t i) mutable -> std::optional<std::string> {
+          if (i >= count || left(until::all) <= 0) return std::nullopt;
+          if (searches == nullptr)
+            searches = std::make_shared<ShapeSearch>(entry_, module_, own, no_command_);
+          return to_bytes(search_small(*searches, shape_at(i), small, seconds_for(i)));
+        });
+  }
+
+  /// Empty if there is a finding.
+  static std::string to_bytes(const std::vector<ShapeResult>& results) {
+    Writer writer;
+    for (const ShapeResult& shape : results) {
+      if (shape.result.finding) return "";
+      writer.put_all(shape.search);
+      writer.put(shape.histories);
+      writer.put_all(checker::to_bytes(shape.result));
+    }
+    return std::move(writer.bytes);
+  }
+
+  static std::vector<ShapeResult> from_bytes(const std::string& bytes, const std::string& text,
+                                             const Small& small) {
+    std::vector<ShapeResult> results;
+    for (Reader reader{bytes}; reader.at < bytes.size();) {
+      ShapeResult shape{.shape = text, .origin = small.origin};
+      shape.search = reader.take_all<std::string>();
+      shape.histories = reader.take<std::size_t>();
+      shape.result = checker::from_bytes(reader.take_all<std::string>());
+      results.push_back(std::move(shape));
+    }
+    return results;
   }
 
   void stop_threads() {
@@ -233,7 +320,9 @@ class QueueCheck {
     const std::vector<std::string> shapes = aged_battery(entry_.claims, settings_.old);
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
       const double seconds = left(until::aged) / static_cast<double>(shapes.size() - i);
-      search_small({.shape = shapes[i], .origin = Origin::aged}, 1'000, 200, seconds);
+      const Small small{.origin = Origin::aged, .whole = 1'000, .samples = 200};
+      for (ShapeResult& shape : search_small(searches_, shapes[i], small, seconds))
+        add(std::move(shape));
     }
     say_sum(Origin::aged);
   }
@@ -241,24 +330,29 @@ class QueueCheck {
   void search_generated() {
     if (!entry_.claims.allows_workers(2)) return;
     GeneratedShapes shapes(entry_.claims, settings_.options.seed);
-    for (std::uint64_t i = 0; i < settings_.generated && !done() && left(until::all) > 0; ++i)
-      search_small({.shape = to_string(shapes.next()), .origin = Origin::generated}, 2'000, 500,
-                   std::min(left(until::all), 2.0));
+    std::vector<std::string> drawn;
+    search_many(
+        settings_.generated, {.origin = Origin::generated, .whole = 2'000, .samples = 500},
+        [&](std::uint64_t i) {
+          while (drawn.size() <= i) drawn.push_back(to_string(shapes.next()));
+          return drawn[i];
+        },
+        [this](std::uint64_t) { return std::min(left(until::all), 2.0); });
     say_sum(Origin::generated);
   }
 
   void search_clients() {
     all_.all_clients = settings_.all_clients;
     const std::vector<std::string> clients = all_clients(entry_.claims, settings_.all_clients);
-    for (std::size_t i = 0; i < clients.size() && !done(); ++i) {
-      if (left(until::all) <= 0) {
-        all_.not_tried = clients.size() - i;
-        break;
-      }
-      // The large ones come last and need most.
-      search_small({.shape = clients[i], .origin = Origin::clients}, ~std::uint64_t{0}, 0,
-                   4 * left(until::all) / static_cast<double>(clients.size() - i + 3));
-    }
+    // The large ones come last and need most.
+    const std::uint64_t tried = search_many(
+        clients.size(), {.origin = Origin::clients, .whole = ~std::uint64_t{0}},
+        [&](std::uint64_t i) { return clients[i]; },
+        [&](std::uint64_t i) {
+          return 4 * settings_.jobs * left(until::all) /
+                 static_cast<double>(clients.size() - i + 3);
+        });
+    if (!done()) all_.not_tried = clients.size() - tried;
     say_sum(Origin::clients);
   }
 
@@ -298,6 +392,7 @@ class QueueCheck {
   std::set<std::string> allocating_;   ///< shapes whose threads allocate
   double most_seconds_ = 1e9;          ///< of one search in search_all; who needs more ...
   std::vector<std::string> deferred_;  ///< ... comes again
+  const std::string no_command_{};
   ShapeSearch searches_;
   bool parks_ = false;  ///< its pop waits until the queue is closed
   bool clocked_;        ///< calls are ordered by a clock

@@ -152,6 +152,30 @@ TEST_F(DefaultCheck, destroys_queues_with_elements_inside) {
     }
 }
 
+// Who makes a search, and how many do, changes nothing of what is told.
+TEST_F(DefaultCheck, tells_the_same_whatever_number_of_processes_search) {
+  const auto told = [&](std::string_view queue, CheckSettings settings, unsigned jobs) {
+    settings.jobs = jobs;
+    std::string all;
+    for (const ShapeResult& s : check(queue, settings).shapes) {
+      if (s.origin != Origin::generated && s.origin != Origin::clients) continue;
+      all += s.shape + " " + s.search + " " + std::to_string(s.result.executions) + " " +
+             std::to_string(s.histories) + (s.result.finished ? " whole " : " ") +
+             (s.result.finding ? s.result.finding->text + s.report : "") + "\n";
+    }
+    return all;
+  };
+  const CheckSettings generated{.seconds = 60, .generated = 30};
+  const CheckSettings clients{.seconds = 60, .all_clients = 3};
+  for (const unsigned jobs : {2U, 3U}) {
+    EXPECT_EQ(told("narrow-index-fixed", generated, jobs),
+              told("narrow-index-fixed", generated, 1));
+    EXPECT_EQ(told("narrow-index-fixed", clients, jobs), told("narrow-index-fixed", clients, 1));
+    EXPECT_EQ(told("unpublished-bug", clients, jobs), told("unpublished-bug", clients, 1));
+  }
+  EXPECT_NE(told("unpublished-bug", clients, 2).find("replay: "), std::string::npos);
+}
+
 TEST_F(DefaultCheck, tries_every_client_of_few_calls) {
   const QueueResult result = check("narrow-index-fixed", {.seconds = 30, .all_clients = 3});
   EXPECT_EQ(found(result), nullptr) << found(result)->report;
