@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <sys/mman.h>
 
 namespace {
 constexpr std::array suppressed{
@@ -47,33 +46,4 @@ extern "C" const char* __ubsan_default_options();
 extern "C" const char* __ubsan_default_options() {
   return "halt_on_error=1:print_stacktrace=1:exitcode=68";
 }
-
-namespace {
-/// In memory that parent and children share: a child that ThreadSanitizer ends can say no more.
-std::uint64_t* const fences = [] {
-  void* page = mmap(nullptr, sizeof(std::uint64_t), PROT_READ | PROT_WRITE,
-                    MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  static std::uint64_t own = 0;
-  return page == MAP_FAILED ? &own : static_cast<std::uint64_t*>(page);
-}();
-}  // namespace
-
-std::uint64_t irt::stress::fences_executed() {
-  return __atomic_load_n(fences, __ATOMIC_RELAXED);
-}
-void irt::stress::forget_fences() {
-  __atomic_store_n(fences, 0, __ATOMIC_RELAXED);
-}
-
-#if defined(__SANITIZE_THREAD__)
-// The linker's --wrap leads every std::atomic_thread_fence of instrumented code through here. The
-// counter is touched without instrumentation, so that it orders nothing in TSan's eyes.
-extern "C" void __real___tsan_atomic_thread_fence(int order);
-extern "C" void __wrap___tsan_atomic_thread_fence(int order);
-extern "C" __attribute__((no_sanitize("thread"))) void __wrap___tsan_atomic_thread_fence(
-    int order) {
-  if (fences != nullptr) __atomic_fetch_add(fences, 1, __ATOMIC_RELAXED);
-  __real___tsan_atomic_thread_fence(order);
-}
-#endif
 // NOLINTEND(bugprone-reserved-identifier, readability-identifier-naming)
