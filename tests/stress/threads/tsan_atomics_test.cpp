@@ -46,18 +46,19 @@ __attribute__((target("cx16"))) void count_low(Halves& halves) {
 }
 
 TEST(TsanAtomics, OperationsOf16BytesAreAtomicBesideThoseOf8) {
-  constexpr std::uint64_t times = 300'000;
+  constexpr std::uint64_t times = 3'000'000;
   Halves halves;
-  std::atomic<bool> go{false};
+  std::atomic<bool> done{false};
+  std::uint64_t narrow_times = 0;
   std::thread narrow([&] {
-    while (!go) std::this_thread::yield();
-    for (std::uint64_t i = 0; i < times; ++i) __atomic_fetch_add(&halves.high, 1, __ATOMIC_RELAXED);
+    for (; !done.load(std::memory_order_relaxed); ++narrow_times)
+      __atomic_fetch_add(&halves.high, 1, __ATOMIC_RELAXED);
   });
-  go = true;
   for (std::uint64_t i = 0; i < times; ++i) count_low(halves);
+  done = true;
   narrow.join();
   EXPECT_EQ(halves.low, times);
-  EXPECT_EQ(halves.high, times);
+  EXPECT_EQ(halves.high, narrow_times);
 }
 
 #endif
