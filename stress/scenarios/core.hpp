@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -27,6 +28,16 @@ class Complaint : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// The bits that elements of runs with up to 32 workers have.
+inline constexpr Element element_bits = element(32, 0) - 1;
+
+/// Whether a queue with these claims takes elements of each of 32 workers, billions of them.
+inline bool has_elements(const Claims& claims) {
+  constexpr Element numbers = element(1, 0) - 1;
+  const Element unused = claims.unused_bits & element_bits;
+  return (unused & ~numbers) == 0 && std::popcount(numbers & ~unused) >= 32;
+}
 
 /// The next element of `worker` from its `sequence`-th on that a queue with these claims takes.
 inline Element next_element(const Claims& claims, unsigned worker, std::uint64_t& sequence) {

@@ -63,6 +63,7 @@ class Session {
   Session(const Options& options, const ClockQuality& clock) : options_(options), clock_(clock) {}
 
   void stress(const QueueEntry& queue) {
+    if (!has_elements(queue.claims)) return tell_no_elements(queue);
     const OnEmpty on_empty = find_on_empty(queue);
     if (on_empty == OnEmpty::waits_for_ever) return tell_waits_for_ever(queue);
     const std::vector<Job> jobs = plan(queue, on_empty == OnEmpty::waits);
@@ -89,13 +90,29 @@ class Session {
     std::function<void(const Assignment&, Messenger&)> run;
   };
 
-  /// No suite could do more than hang.
-  void tell_waits_for_ever(const QueueEntry& queue) {
+  /// What is told without running a suite.
+  [[nodiscard]] Result untried(const QueueEntry& queue) const {
     Result result;
     result.queue = queue.name;
     result.suite = "scenarios";
     result.seed = options_.seed;
     result.third_party = is_third_party(queue.name);
+    return result;
+  }
+
+  void tell_no_elements(const QueueEntry& queue) {
+    Result result = untried(queue);
+    result.limits.push_back(
+        fmt::format("not tried: an element here is a number of 40 bits and its worker's above it, "
+                    "and this queue leaves {:#x} of that unused",
+                    queue.claims.unused_bits & element_bits));
+    fmt::print("{}", to_text(result));
+    results_.push_back(std::move(result));
+  }
+
+  /// No suite could do more than hang.
+  void tell_waits_for_ever(const QueueEntry& queue) {
+    Result result = untried(queue);
     result.findings.push_back(
         {.claim = "pop answers on an empty queue",
          .evidence = fmt::format(
@@ -120,7 +137,7 @@ class Session {
     // The others need signals that stop a thread at once and an allocator of our own.
     if (sanitizer != Sanitizer::none || !chosen(options_.scenarios, "all")) return jobs;
     const bool own = queue.claims.consumers == Callers::own_worker;
-    if (chosen(options_.suites, "sustained") && !pop_waits) {
+    if (chosen(options_.suites, "sustained")) {
       jobs.push_back({"sustained", nullptr, 6, run_sustained});
     }
     if (chosen(options_.suites, "progress") && !pop_waits) {
@@ -143,7 +160,7 @@ class Session {
     if (std::exchange(waits_untold_, false)) {
       result.limits.emplace_back(
           "pop waits on an empty queue until it is closed: only the scenarios for such queues run, "
-          "and neither sustained nor progress");
+          "and progress does not");
     }
     const bool terminal = isatty(STDOUT_FILENO) != 0;
     const auto start = std::chrono::steady_clock::now();

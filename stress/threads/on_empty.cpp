@@ -52,8 +52,10 @@ void pop_once(const QueueEntry& entry, Messenger& messenger) {
   while (!ready) std::this_thread::yield();
   OnEmpty result = OnEmpty::answers;
   if (!answers_in_time(answered, slot.thread)) {
-    queue->push(0, close_word);
-    const bool closed = answers_in_time(answered, slot.thread) && !found;
+    // Nobody else may push for a worker who is in a call.
+    const bool pushes = cast.workers > 1;
+    if (pushes) queue->push(0, close_word);
+    const bool closed = pushes && answers_in_time(answered, slot.thread) && !found;
     result = closed ? OnEmpty::waits : OnEmpty::waits_for_ever;
   }
   messenger.figure("on_empty", static_cast<int>(result));

@@ -2,11 +2,14 @@
 #include <array>
 #include <chrono>
 #include <fmt/format.h>
+#include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "stress/history/judge.hpp"
 #include "stress/threads/call.hpp"
+#include "stress/threads/complement.hpp"
 #include "stress/threads/interrupter.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/signals.hpp"
@@ -90,7 +93,7 @@ class ScenarioRunner {
     {
       const Presence presence(own_slot);
       bump();
-      const auto queue = assignment_.queue.make_word_queue(cast_.workers, capacity_);
+      const auto queue = make_(cast_.workers, capacity_);
       interrupter_.set_active(perturbation.stalls);
       try {
         if (age_ > 0) age(*queue);
@@ -114,6 +117,8 @@ class ScenarioRunner {
           "in round {} of {} threads with {} operations each, capacity {}, {}{}\n", number,
           cast_.workers, states_[0].operations, capacity_,
           age_ > 0 ? fmt::format("after {} elements, ", age_) : "", perturbation.describe());
+      if (complemented_)
+        finding->evidence += "what was pushed were the complements of the elements\n";
       finding->repeat = assignment_.repeat;
     }
     return finding;
@@ -125,6 +130,15 @@ class ScenarioRunner {
   void prepare(std::uint64_t seed) {
     capacity_ = round_capacity(mix_seed(seed, 101), scenario_.capacity);
     age_ = round_age(mix_seed(seed, 102));
+    claims_ = assignment_.queue.claims;
+    complemented_ = false;
+    // Commands, which queues whose pop waits are given, have no complement.
+    if (scenario_.drains && mix_seed(seed, 103) % 8 == 0) {
+      if (const auto seen = Complement(claims_).seen(claims_)) {
+        claims_ = *seen;
+        complemented_ = true;
+      }
+    }
     // A thread that only comes and goes shows nothing.
     const std::uint64_t size = round_size(seed >> 32, cast_.workers);
     const std::uint64_t operations =
@@ -138,7 +152,7 @@ class ScenarioRunner {
                .pushes = cast_.pushes(worker),
                .pops = cast_.pops(worker),
                .capacity = capacity_,
-               .claims = assignment_.queue.claims,
+               .claims = claims_,
                .random = mix_seed(seed, worker),
                .operations = operations,
                .log = {},
@@ -153,7 +167,7 @@ class ScenarioRunner {
     const bool own = assignment_.queue.claims.consumers == Callers::own_worker;
     for (std::uint64_t i = 0, sequence = 0; i < age_; ++i, ++sequence) {
       const auto pusher = static_cast<unsigned>(i % cast_.pushers);
-      const Element pushed = next_element(assignment_.queue.claims, pusher, sequence);
+      const Element pushed = next_element(claims_, pusher, sequence);
       const bool accepted = [&] {
         const Call call(slots_.back(), Doing::push);
         return queue.push(pusher, pushed);
@@ -182,7 +196,7 @@ class ScenarioRunner {
     const Stamp deadline =
         stamp_after() + static_cast<Stamp>(budget * assignment_.clock.ticks_per_nanosecond);
     const auto one_thread = [&](unsigned worker, unsigned generation) {
-      ThreadCore core(states_[worker], queue, assignment_.queue, slots_[worker], gate, perturbation,
+      ThreadCore core(states_[worker], queue, make_, slots_[worker], gate, perturbation,
                       seed + worker + 1000 * generation, deadline);
       try {
         scenario_.run(core);
@@ -229,7 +243,7 @@ class ScenarioRunner {
       for (unsigned worker = 0; worker < cast_.workers; ++worker) {
         if (!cast_.pops(worker)) continue;
         WorkerState state{.worker = worker, .operations = 0, .log = std::move(log)};
-        ThreadCore core(state, queue, assignment_.queue, slots_.back(), gate, {}, 0);
+        ThreadCore core(state, queue, make_, slots_.back(), gate, {}, 0);
         while (state.log.size() < limit && core.pop()) found = true;
         log = std::move(state.log);
       }
@@ -275,11 +289,19 @@ class ScenarioRunner {
   const Assignment& assignment_;
   const Scenario& scenario_;
   Cast cast_;
+  QueueMaker make_ = [this](unsigned workers, std::size_t capacity) {
+    auto queue = assignment_.queue.make_word_queue(workers, capacity);
+    if (!complemented_) return queue;
+    const Complement complement(assignment_.queue.claims);
+    return std::unique_ptr<ElementQueue>(new ComplementQueue(std::move(queue), complement));
+  };
   Payloads payloads_;
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that drives the rounds
   std::vector<WorkerState> states_;
-  std::size_t capacity_ = 0;  ///< of this round's queue
-  std::uint64_t age_ = 0;     ///< elements that have gone through it before the round
+  std::size_t capacity_ = 0;   ///< of this round's queue
+  Claims claims_;              ///< of the queue, as this round's workers see it
+  bool complemented_ = false;  ///< this round pushes complements
+  std::uint64_t age_ = 0;      ///< elements that have gone through it before the round
   Verdict sums_;
   Watchdog watchdog_;
   Team team_;

@@ -1,6 +1,7 @@
 /// A scenario's worker on a real thread.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "stress/history/clock.hpp"
@@ -11,15 +12,18 @@
 
 namespace irt::stress {
 
+/// Makes a queue of the kind under test, for so many workers and of such a capacity.
+using QueueMaker = std::function<std::unique_ptr<ElementQueue>(unsigned, std::size_t)>;
+
 class ThreadCore final : public Core {
  public:
-  /// `gate` is the barrier of the run. The queue of `entry` is the one under test. No operation
+  /// `gate` is the barrier of the run. `make` outlives it. No operation
   /// that the scenario may leave out starts after `deadline`.
-  ThreadCore(WorkerState& state, ElementQueue& queue, const QueueEntry& entry, Slot& slot,
+  ThreadCore(WorkerState& state, ElementQueue& queue, const QueueMaker& make, Slot& slot,
              Gate& gate, const Perturbation& perturbation, std::uint64_t seed,
              Stamp deadline = never)
       : Core(state, queue),
-        entry_(entry),
+        make_(make),
         slot_(slot),
         gate_(gate),
         disturber_(perturbation, seed),
@@ -35,7 +39,7 @@ class ThreadCore final : public Core {
   }
   Stamp stamp() override { return stamp_after(); }
   std::unique_ptr<ElementQueue> another_queue(unsigned workers, std::size_t capacity) override {
-    return entry_.make_word_queue(workers, capacity);
+    return make_(workers, capacity);
   }
 
  protected:
@@ -58,7 +62,7 @@ class ThreadCore final : public Core {
   }
 
  private:
-  const QueueEntry& entry_;
+  const QueueMaker& make_;
   Slot& slot_;
   Gate& gate_;
   Disturber disturber_;

@@ -162,6 +162,12 @@ TEST(OnEmpty, TheOtherSuitesDoNotWaitForEver) {
   const QueueEntry entry = queue_entry<Parking<ParkingBug::none>::Queue>("parking");
   EXPECT_EQ(claim_of(run(entry, 0.5, run_faults, true)), "nothing");
   EXPECT_EQ(claim_of(run(entry, 0.5, run_memory, true)), "nothing");
+  EXPECT_EQ(claim_of(run(entry, 1, run_sustained, true)), "nothing");
+  const auto sustained = [](const QueueEntry& queue) {
+    return claim_of(run(queue, 4, run_sustained, true));
+  };
+  EXPECT_EQ(sustained(queue_entry<EventCounted<true>::Queue>("counted")), "nothing");
+  EXPECT_NE(sustained(queue_entry<Parking<ParkingBug::if_not_while>::Queue>("if")), "nothing");
 }
 
 TEST(MemorySuite, FindsMemoryThatGrowsWithEveryPush) {
