@@ -334,7 +334,7 @@ class Sustained {
 
   std::optional<Finding> live(unsigned number, Clock::time_point end) {
     // Most of them small, so that rings go round; one so large that segments follow each other.
-    constexpr std::array<std::size_t, 9> capacities{1024, 1 << 16, 100, 2, 64, 5, 256, 3, 1024};
+    constexpr std::array<std::size_t, 9> capacities{1024, 1 << 15, 100, 2, 64, 5, 256, 3, 1024};
     const std::size_t capacity = capacities.at(number % capacities.size());
     const Traffic used = together(assignment_) ? static_cast<Traffic>(number % 4) : Traffic::sides;
     const bool stalls = next() % 2 == 0;
