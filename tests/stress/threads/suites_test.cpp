@@ -172,7 +172,7 @@ TEST(OnEmpty, TheOtherSuitesDoNotWaitForEver) {
 
 TEST(MemorySuite, FindsMemoryThatGrowsWithEveryPush) {
   if (sanitizer != Sanitizer::none) GTEST_SKIP() << "the sanitizer's allocator is in place";
-  EXPECT_EQ(claim_of(run(broken_entry<Defect::grows>(), 1, run_memory)), "reclaims memory");
+  EXPECT_EQ(claim_of(run(broken_entry<Defect::grows>(), 60, run_memory)), "reclaims memory");
   EXPECT_EQ(claim_of(run(broken_entry<Defect::none>(), 1, run_memory)), "nothing");
 }
 
