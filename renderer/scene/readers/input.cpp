@@ -1,10 +1,12 @@
 #include "renderer/scene/readers/input.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <limits>
+#include <vector>
 
 namespace irt {
 namespace {
@@ -13,6 +15,24 @@ constexpr std::string_view blanks = " \t\r\v\f";
 
 /// One less than the index that stands for "none", and as many as 32 bits can count.
 constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max() - 1;
+
+/// How many bytes the character at the front of `text` has in UTF-8; 0 if they are none, or one
+/// that controls instead of being printed.
+std::size_t printable(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return first >= ' ' && first <= '~' ? 1 : 0;
+  const std::size_t size = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4 || text.size() < size) return 0;
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  }
+  const unsigned char second = byte(1);
+  const bool overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
+  const bool no_character = (first == 0xed && second > 0x9f) || (first == 0xf4 && second > 0x8f);
+  const bool controls = first == 0xc2 && second < 0xa0;
+  return overlong || no_character || controls ? 0 : size;
+}
 
 }  // namespace
 
@@ -36,9 +56,20 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 std::string in_quotes(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text.substr(0, 60)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > 60 ? "...'" : "'");
+  std::vector<std::string> shown;
+  while (!text.empty()) {
+    const std::size_t size = printable(text);
+    shown.emplace_back(size == 0 ? "?" : text.substr(0, size));
+    text.remove_prefix(std::max<std::size_t>(size, 1));
+  }
+  // What a path ends with names the file.
+  constexpr std::size_t most_shown = 60, at_front = 20;
+  if (shown.size() > most_shown) {
+    const auto front = shown.begin() + at_front;
+    shown.erase(front, shown.end() - (most_shown - at_front));
+    shown.insert(shown.begin() + at_front, "...");
+  }
+  return fmt::format("'{}'", fmt::join(shown, ""));
 }
 
 std::string_view next_line(std::string_view& text) {

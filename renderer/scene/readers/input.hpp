@@ -13,7 +13,8 @@ namespace irt {
 /// The whole file. Throws `SceneError` for what is no readable file of at most 4 GiB.
 std::string read_file(const std::filesystem::path& path);
 
-/// `text` in quotes, fit for one line: at most 60 characters, '?' for what does not print.
+/// `text` in quotes, fit for one line: of more than 60 characters the first 20 and the last 40, '?'
+/// for bytes that are no UTF-8 and for what does not print.
 std::string in_quotes(std::string_view text);
 
 /// Cuts the next line, without its line end, off the front of `text`.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "renderer/scene/readers/derive.hpp"
+#include "renderer/scene/readers/input.hpp"
 #include "renderer/scene/readers/obj.hpp"
 #include "renderer/scene/readers/ply.hpp"
 #include "renderer/scene/readers/scene_file.hpp"
@@ -337,6 +338,22 @@ TEST(SceneFile, FrozenBadInputs) {
   for (const BadCase& bad : cases) {
     expect_refusal(bad, refusal([&] { irt::parse_scene(bad.text, one_triangle); }));
   }
+}
+
+TEST(Quotes, ShowNamesAsTheyAreAndNothingThatControls) {
+  EXPECT_EQ(irt::in_quotes("ünï/日本.ply"), "'ünï/日本.ply'");
+  EXPECT_EQ(irt::in_quotes("a\xff\x01\x7f\n"), "'a\?\?\?\?'");
+  EXPECT_EQ(irt::in_quotes("\xc2\x85"), "'\?\?'");        // a line end of its own
+  EXPECT_EQ(irt::in_quotes("\xc0\xaf"), "'\?\?'");        // too long for what it says
+  EXPECT_EQ(irt::in_quotes("\xed\xa0\x80"), "'\?\?\?'");  // half a pair
+  EXPECT_EQ(irt::in_quotes("a\xe6\x97"), "'a\?\?'");      // torn
+}
+
+TEST(Quotes, CutWhatIsLongBeforeItsEnd) {
+  const std::string fits = "/" + std::string(55, 'a') + ".ply";
+  EXPECT_EQ(irt::in_quotes(fits), "'" + fits + "'");
+  EXPECT_EQ(irt::in_quotes("/home" + std::string(100, 'x') + "/küche.ply"),
+            "'/home" + std::string(15, 'x') + "..." + std::string(30, 'x') + "/küche.ply'");
 }
 
 }  // namespace
