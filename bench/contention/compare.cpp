@@ -262,8 +262,10 @@ int compare(const CompareOptions& options) {
                     fmt::join(titles, ", ")));
   }
   const auto more = differing(lines);
-  for (const auto& line : lines) fmt::print("{}\n", line_of(line, more));
+  std::FILE* const people = beside(options.json);
+  for (const auto& line : lines) fmt::print(people, "{}\n", line_of(line, more));
   fmt::print(
+      people,
       "\n{} of {} and {} runs compared: the second's rate{} over the first's, with its 95% "
       "interval\n"
       "and p: of one sweep by the signed ranks of its rounds (paired), else by the ratio of\n"
@@ -272,7 +274,7 @@ int compare(const CompareOptions& options) {
       lines.size(), before.size(), after.size(),
       options.per_cpu_second ? " per second of processor time" : "");
   for (const std::string& line : changed_conditions(before, after)) {
-    fmt::print("note: {}\n", line);
+    fmt::print(people, "note: {}\n", line);
   }
   if (!options.json.empty()) write_text(options.json, lines.dump(2) + '\n');
   return 0;

@@ -10,6 +10,7 @@
 #include "bench/contention/child.hpp"
 #include "bench/contention/compare.hpp"
 #include "bench/contention/sweep.hpp"
+#include "bench/frames/arguments.hpp"
 #include "bench/frames/usage_error.hpp"
 
 namespace irt::contention {
@@ -163,6 +164,7 @@ int run(int argc, char** argv) {
   Tool tool;
   tool.add_sweep(app);
   tool.add_compare(app);
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -212,13 +212,15 @@ class Sweep {
 
   int report() {
     const auto runs = summarise(plan_, rows_, results_, calibration_, conditions_);
-    fmt::print("{}\n", table(runs));
+    std::FILE* const people = beside(options_.json);
+    fmt::print(people, "{}\n", table(runs));
     std::set<std::string> missing;
     for (const Result& result : results_) {
       missing.insert(result.sample.missing.begin(), result.sample.missing.end());
     }
-    for (const std::string& line : missing) fmt::print("{}\n", line);
+    for (const std::string& line : missing) fmt::print(people, "{}\n", line);
     fmt::print(
+        people,
         "{} s per repetition after the warm-up; Mops/s: successful pushes and pops of all threads, "
         "mean of {} repetitions; the loop's own share is {:.2f} ns per operation\n",
         plan_.seconds, plan_.repetitions, calibration_.harness_ns);

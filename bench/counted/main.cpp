@@ -10,6 +10,7 @@
 #include "bench/conditions/conditions.hpp"
 #include "bench/counted/counted_queue.hpp"
 #include "bench/counted/pairs.hpp"
+#include "bench/frames/arguments.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 
@@ -132,6 +133,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--json", options.json_file, "write all figures to this file");
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

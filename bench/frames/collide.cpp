@@ -5,6 +5,7 @@
 #include "bench/frames/files.hpp"
 #include "bench/frames/interrupt.hpp"
 #include "bench/frames/summary.hpp"
+#include "bench/frames/text_files.hpp"
 #include "bench/results/record.hpp"
 #include "renderer/engine/collision.hpp"
 
@@ -32,6 +33,7 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
   const QueueEntry& queue =
       options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
   check(options.workload);
+  check_queue(options.queue, options.workload);
   if (!options.json.empty()) require_writable(options.json);
   const std::atomic<bool>& cancel = watch_for_interrupt();
   const Workload workload(options.workload);
@@ -54,6 +56,7 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
   const double median = quantile(seconds, 0.5);
   const std::string hash = hash_of(query.contacts());
   fmt::print(
+      beside(options.json),
       "{}: {} particles, {} collisions, {:.2f} ms per frame, {:.3f} million rays/s, hash {}\n",
       workload.options().scene, options.particles, query.total(), 1e3 * median,
       static_cast<double>(rays) / median / 1e6, hash);

@@ -74,6 +74,9 @@ struct CollideOptions {
 };
 int collide(CollideOptions options, const QueueRegistry& queues);
 
+/// Throws UsageError where a queue is named and none is used. `workload` was checked.
+void check_queue(const std::string& queue, const WorkloadOptions& workload);
+
 /// `threads`, or as many as the machine has where it is 0. Throws UsageError above `max_threads`.
 unsigned settle_threads(unsigned threads);
 

@@ -14,6 +14,7 @@
 #include "bench/frames/progress.hpp"
 #include "bench/frames/sample.hpp"
 #include "bench/frames/summary.hpp"
+#include "bench/frames/text_files.hpp"
 #include "bench/frames/usage_error.hpp"
 
 namespace irt {
@@ -66,9 +67,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Reference, image_hash, triangles, traverse_sh
 
 struct FirstFrame {
   double seconds = 0;
+  std::vector<double> later;  // what later ones take with each number of threads
   Reference reference;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FirstFrame, seconds, reference)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FirstFrame, seconds, later, reference)
 
 // 1, 2, 4 ... and the number of hardware threads itself; each number where there are few.
 std::vector<unsigned> default_threads() {
@@ -103,6 +105,9 @@ Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
   for (WorkloadOptions& workload : plan.workloads) check(workload);
   if (plan.queues.empty()) plan.queues = default_queues(queues);
   for (const std::string& name : plan.queues) queues.at(name);
+  if (!options.queues.empty() && std::ranges::none_of(plan.workloads, uses_queue)) {
+    check_queue(options.queues.front(), plan.workloads.front());
+  }
   if (plan.threads.empty()) plan.threads = default_threads();
   for (const unsigned threads : plan.threads) settle_threads(threads);
   if (plan.rows().empty()) {
@@ -149,17 +154,17 @@ Plan plan_of(const Journal& journal, const CompareOptions& options, QueueRegistr
   return stored;
 }
 
-// Frames per repetition such that everything takes about `seconds`. `work` is what one frame of
-// each workload takes a single thread.
-void settle_length(Plan& plan, const std::vector<double>& work, double seconds) {
+// Frames per repetition such that everything takes about `seconds`. `frames` says what one of each
+// workload takes with each number of threads.
+void settle_length(Plan& plan, const std::vector<std::vector<double>>& frames, double seconds) {
   double sweep = 0;  // one frame of every row
-  const double most = settle_threads(0);
   for (const Row& row : plan.rows()) {
-    sweep += work[row.workload] / std::min<double>(row.threads, most);
+    const auto threads = std::ranges::find(plan.threads, row.threads) - plan.threads.begin();
+    sweep += frames[row.workload][static_cast<std::size_t>(threads)];
   }
   if (plan.frames == 0) {
     const double fit = seconds / (sweep * plan.repetitions) - plan.warmup;
-    plan.frames = static_cast<unsigned>(std::clamp(fit, 1.0, 100.0));
+    plan.frames = static_cast<unsigned>(std::clamp(fit, 1.0, 1e6));
   }
 }
 
@@ -225,11 +230,13 @@ class Comparison {
     const unsigned threads = *std::ranges::max_element(plan_.threads);
     const double cores = std::min<double>(threads, settle_threads(0));
     std::vector<Reference> references;
+    std::vector<std::vector<double>> later;
     for (const auto& workload : workloads_) {
       const std::optional<FirstFrame> first = first_frame(*workload, threads, references.empty());
       if (!first) return;
       references.push_back(first->reference);
       work_.push_back(first->seconds * cores);
+      later.push_back(first->later);
     }
     if (journal_) {
       journal_->header().at("references").get_to(references_);
@@ -243,7 +250,7 @@ class Comparison {
     }
     if (cancel_) return;
     references_ = std::move(references);
-    settle_length(plan_, work_, options_.seconds);
+    settle_length(plan_, later, options_.seconds);
     journal_ = Journal::begin(file, {{"format", journal_format},
                                      {"plan", plan_},
                                      {"references", references_},
@@ -260,9 +267,12 @@ class Comparison {
       if (keep_picture) write_png(options_.out / "frame.png", workload.application().image());
       answer(FirstFrame{
           .seconds = first.seconds.at(0),
-          .reference = {.image_hash = first.image_hash,
-                        .triangles = workload.scene().mesh.triangles.size(),
-                        .traverse_share = traverse_share(workload, queue, threads, cancel_)}});
+          .later = later_frames(workload,
+                                first.seconds.at(0) * std::min<double>(threads, settle_threads(0))),
+          .reference = {
+              .image_hash = first.image_hash,
+              .triangles = workload.scene().mesh.triangles.size(),
+              .traverse_share = traverse_share(workload, queue, threads, cancel_).value_or(0)}});
     });
     if (cancel_) return std::nullopt;
     if (ending.status != "ok") {
@@ -271,6 +281,31 @@ class Comparison {
     }
     if (keep_picture) show_first_frame(workload);
     return nlohmann::json::parse(ending.answer).get<FirstFrame>();
+  }
+
+  // What a frame of a repetition takes with each number of threads, by the wall clock, hash and
+  // all. The first frame, which finds nothing in the caches, takes a small scene many times that;
+  // of a long one it tells enough.
+  std::vector<double> later_frames(Workload& workload, double first) {
+    const auto parts = static_cast<double>(plan_.workloads.size() * plan_.threads.size());
+    const double enough = std::clamp(0.05 * options_.seconds / parts, 0.02, 0.5);
+    std::vector<double> seconds;
+    for (const unsigned threads : plan_.threads) {
+      const double expected = first / std::min<double>(threads, settle_threads(0));
+      const bool known = plan_.frames != 0 || expected >= enough;
+      seconds.push_back(known ? expected : frame_seconds(workload, threads, enough / expected));
+    }
+    return seconds;
+  }
+
+  double frame_seconds(Workload& workload, unsigned threads, double most) {
+    const auto frames = static_cast<unsigned>(std::clamp(most, 4.0, 1000.0));
+    Clock::time_point begin = Clock::now();
+    take_sample(workload, built_in_queues().front(),
+                {.threads = threads, .warmup = 1, .frames = frames}, cancel_, [&](bool counted) {
+                  if (!counted) begin = Clock::now();
+                });
+    return std::chrono::duration<double>(Clock::now() - begin).count() / frames;
   }
 
   static void answer(const nlohmann::json& value) { fmt::print("{}", value.dump()); }
@@ -345,7 +380,7 @@ class Comparison {
     });
     const auto runs = summarise(samples, backgrounds);
     const std::size_t done = samples.size();
-    fmt::print("{}: {} frames per line in {} rounds\n\n{}\n", subject(),
+    fmt::print(beside(options_.json), "{}: {} frames per line in {} rounds\n\n{}\n", subject(),
                plan_.frames * plan_.repetitions, plan_.repetitions, table(runs));
     std::fflush(stdout);
     write_text(options_.out / "compare.json", runs.dump(2) + '\n');

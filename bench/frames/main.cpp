@@ -6,6 +6,7 @@
 #include <list>
 #include <new>
 
+#include "bench/frames/arguments.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/usage_error.hpp"
 
@@ -290,6 +291,7 @@ int run(int argc, char** argv) {
   add_list(app, shared);
   add_collide(app, shared, colliding);
   add_overhead(app, shared, measuring);
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -104,12 +104,14 @@ int overhead(OverheadOptions options) {
   }
 
   auto runs = nlohmann::ordered_json::array();
+  std::FILE* const people = beside(options.json);
   const auto taken = conditions(options.workload.pin ? "one thread per core" : "none");
-  fmt::print("{:<24}{:>14}{:>14}{:>24}\n", "", "CPU ms/frame", "to the first", "95 % interval");
+  fmt::print(people, "{:<24}{:>14}{:>14}{:>24}\n", "", "CPU ms/frame", "to the first",
+             "95 % interval");
   for (const Variant& variant : variants) {
     const Interval change = change_to(variants.front().seconds, variant.seconds);
     const double median = quantile(variant.seconds, 0.5);
-    fmt::print("{:<24}{:>14.2f}{:>+13.2f}%{:>24}\n", variant.name, 1e3 * median,
+    fmt::print(people, "{:<24}{:>14.2f}{:>+13.2f}%{:>24}\n", variant.name, 1e3 * median,
                100 * change.middle,
                fmt::format("{:+.2f} to {:+.2f} %", 100 * change.low, 100 * change.high));
     runs.push_back({{"variant", variant.name},
@@ -131,7 +133,8 @@ int overhead(OverheadOptions options) {
   const auto tasks =
       static_cast<double>(variants.front().engine->run(workload.application()).total().tasks);
   const double share = extra_ns * 1e-9 * tasks / quantile(variants.front().seconds, 0.5);
-  fmt::print("\nThe face alone: {:.1f} ns per push and pop, {:.0f} tasks per frame: {:+.4f} %\n",
+  fmt::print(people,
+             "\nThe face alone: {:.1f} ns per push and pop, {:.0f} tasks per frame: {:+.4f} %\n",
              extra_ns, tasks, 100 * share);
   if (!options.json.empty()) write_text(options.json, runs.dump(2) + '\n');
   return 0;

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cctype>
 #include <fmt/format.h>
 #include <optional>
 #include <thread>
@@ -40,13 +42,32 @@ void check_trace(const RenderOptions& options) {
   }
 }
 
+void check_image(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (file.empty() || extension.empty() || extension == ".png") return;
+  throw UsageError(fmt::format("--image {}: pictures are written as PNG; name it {}", file.string(),
+                               std::filesystem::path(file).replace_extension(".png").string()));
+}
+
 }  // namespace
+
+void check_queue(const std::string& queue, const WorkloadOptions& workload) {
+  if (queue.empty() || uses_queue(workload)) return;
+  throw UsageError(
+      fmt::format("--queue {}: the task system {} has a queue of its own; --task-system queue "
+                  "uses this one",
+                  queue, workload.task_system));
+}
 
 int render(RenderOptions options, const QueueRegistry& queues) {
   const QueueEntry& queue =
       options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
   const unsigned threads = settle_threads(options.threads);
   check(options.workload);
+  check_queue(options.queue, options.workload);
+  check_image(options.image);
   check_trace(options);
   for (const auto& file : {options.image, options.json, options.csv, options.trace}) {
     if (!file.empty()) require_writable(file);
@@ -65,7 +86,7 @@ int render(RenderOptions options, const QueueRegistry& queues) {
                                .frames = options.frames,
                                .measure = !options.plain,
                                .trace = log ? &*log : nullptr};
-  const Sample sample = take_sample(workload, queue, sampling, cancel, [&](bool counted) {
+  Sample sample = take_sample(workload, queue, sampling, cancel, [&](bool counted) {
     if (counted) progress.step();
     progress.show("rendering");
   });
@@ -73,7 +94,13 @@ int render(RenderOptions options, const QueueRegistry& queues) {
     fmt::print(stderr, "irt: interrupted before anything was measured\n");
     return exit_interrupted;
   }
-  const double traverse = options.plain ? 0 : traverse_share(workload, queue, threads, cancel);
+  std::optional<double> traverse;
+  if (options.plain) traverse = 0;
+  if (!options.plain && !cancel) traverse = traverse_share(workload, queue, threads, cancel);
+  if (cancel) {
+    sample.status = "interrupted";
+    sample.message = fmt::format("after {} of {} frames", sample.seconds.size(), options.frames);
+  }
 
   const Background background{.workload = workload.options(),
                               .triangles = workload.scene().mesh.triangles.size(),
@@ -100,13 +127,15 @@ int render(RenderOptions options, const QueueRegistry& queues) {
           number("update_ms"), percent("share_rebuilt"));
     }
     if (!options.plain) {
-      fmt::print(
-          "RenderLoop    Traverse {:.1f} %, Intersect {:.1f} %, Shade {:.1f} %, {}waiting "
-          "{:.1f} %; imbalance {:.2f}\n",
-          percent("share_traverse"), percent("share_intersect"), percent("share_shade"),
-          run["share_queue"].is_null() ? ""
-                                       : fmt::format("queue {:.2f} %, ", percent("share_queue")),
-          percent("share_waiting"), number("imbalance"));
+      fmt::print("RenderLoop    {}Shade {:.1f} %, {}waiting {:.1f} %; imbalance {:.2f}\n",
+                 traverse ? fmt::format("Traverse {:.1f} %, Intersect {:.1f} %, ",
+                                        percent("share_traverse"), percent("share_intersect"))
+                          : "",
+                 percent("share_shade"),
+                 run["share_queue"].is_null()
+                     ? ""
+                     : fmt::format("queue {:.2f} %, ", percent("share_queue")),
+                 percent("share_waiting"), number("imbalance"));
     }
     fmt::print("frame         {:.0f} rays in {:.0f} tasks, hash {}, threads {}\n",
                number("rays_per_frame"), number("tasks_per_frame"), sample.image_hash,

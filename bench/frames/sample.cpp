@@ -93,13 +93,15 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
   return sample;
 }
 
-double traverse_share(Workload& workload, const QueueEntry& queue, unsigned threads,
-                      const std::atomic<bool>& cancel) {
+std::optional<double> traverse_share(Workload& workload, const QueueEntry& queue, unsigned threads,
+                                     const std::atomic<bool>& cancel) {
   EngineOptions options = workload.engine_options(threads);
   options.profile_every = 8;
   options.cancel = &cancel;
   const auto engine = workload.start_engine(options, queue);
-  const TraceProfile profile = engine->run(workload.application()).total().profile;
+  const FrameStats frame = engine->run(workload.application());
+  if (frame.cancelled) return std::nullopt;
+  const TraceProfile profile = frame.total().profile;
   const auto traverse = static_cast<double>(profile.traverse_ns);
   const double all = traverse + static_cast<double>(profile.intersect_ns);
   return all > 0 ? traverse / all : 0;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -62,8 +63,8 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
                    const std::function<void(bool)>& on_frame = nullptr);
 
 /// The share of traversal in the time of tracing, the rest being intersection; taken in a frame of
-/// its own whose speed does not count.
-double traverse_share(Workload& workload, const QueueEntry& queue, unsigned threads,
-                      const std::atomic<bool>& cancel);
+/// its own whose speed does not count. Nothing where `cancel` ended that frame.
+std::optional<double> traverse_share(Workload& workload, const QueueEntry& queue, unsigned threads,
+                                     const std::atomic<bool>& cancel);
 
 }  // namespace irt

@@ -93,6 +93,11 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const auto of_motion = [&](double figure) {
     return options.animate.empty() ? Json() : Json(figure);
   };
+  std::optional<double> intersect_share;
+  if (background.traverse_share) intersect_share = 1 - *background.traverse_share;
+  const auto of_tracing = [&](std::optional<double> part) {
+    return part ? Json(share(sum.trace_s * *part, threads_s)) : Json();
+  };
   const auto of_queue = [queued](double figure) { return queued ? Json(figure) : Json(); };
   Json run = results::record({
       {"scene", options.scene},
@@ -142,8 +147,8 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"share_render_loop", share(sum.render_s, all_s)},
       {"share_output", share(sum.output_s, all_s)},
       // Of the time of all render threads in the RenderLoop, as table 5.4.
-      {"share_traverse", share(sum.trace_s * background.traverse_share, threads_s)},
-      {"share_intersect", share(sum.trace_s * (1 - background.traverse_share), threads_s)},
+      {"share_traverse", of_tracing(background.traverse_share)},
+      {"share_intersect", of_tracing(intersect_share)},
       {"share_shade", share(sum.shade_s, threads_s)},
       {"share_queue", of_queue(share(sum.get_s + sum.add_s, threads_s))},
       {"share_waiting", share(sum.idle_s + sum.barrier_s, threads_s)},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ struct Background {
   WorkloadOptions workload;
   std::size_t triangles = 0;
   unsigned warmup = 0;
-  double traverse_share = 0;  ///< see `traverse_share()`
+  std::optional<double> traverse_share{};  ///< see `traverse_share()`; null shares without it
   nlohmann::json conditions;
 };
 

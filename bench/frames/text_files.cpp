@@ -39,6 +39,10 @@ void require_writable(const std::filesystem::path& file) {
   if (!existed) std::filesystem::remove(file, error);
 }
 
+std::FILE* beside(const std::filesystem::path& file) {
+  return file == "-" ? stderr : stdout;
+}
+
 void write_text(const std::filesystem::path& path, std::string_view text) {
   if (path == "-") {
     std::fwrite(text.data(), 1, text.size(), stdout);

@@ -15,6 +15,9 @@ void require_writable(const std::filesystem::path& file);
 /// Replaces the file. "-" is standard output. Throws UsageError.
 void write_text(const std::filesystem::path& file, std::string_view text);
 
+/// Where to speak to people while figures go to `file`: standard error where that is "-".
+std::FILE* beside(const std::filesystem::path& file);
+
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };

@@ -82,6 +82,16 @@ void check_task_system(const WorkloadOptions& options) {
   }
 }
 
+void check_secondary(const WorkloadOptions& options) {
+  const auto taking = [](const ShaderEntry& entry) { return entry.takes_secondary; };
+  const bool usual = options.secondary == secondary_ways().front().name;
+  const auto shader = std::ranges::find(shaders(), options.shader, &ShaderEntry::name);
+  if (usual || taking(*shader)) return;
+  throw UsageError(fmt::format(
+      "--secondary {}: the shader {} has no choice of ways; --shader {} has", options.secondary,
+      options.shader, std::ranges::find_if(shaders(), taking)->name));
+}
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -111,6 +121,7 @@ void check(WorkloadOptions& options) {
         fmt::format("--update {}: nothing moves; --animate says what should", options.update));
   }
   check_task_system(options);
+  check_secondary(options);
 }
 
 void to_json(nlohmann::json& json, const WorkloadOptions& options) {

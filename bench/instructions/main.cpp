@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "bench/conditions/conditions.hpp"
+#include "bench/frames/arguments.hpp"
 #include "bench/instructions/callgrind.hpp"
 #include "bench/micro/second_thread.hpp"
 #include "queues/registry.hpp"
@@ -201,6 +202,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", options.json_file, "write all figures to this file");
   app.add_option("--measured", options.measured)->group("");
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

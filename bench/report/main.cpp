@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/frames/arguments.hpp"
 #include "bench/frames/files.hpp"
 #include "bench/frames/usage_error.hpp"
 #include "bench/report/figures.hpp"
@@ -40,6 +41,7 @@ int run(int argc, char** argv) {
   app.add_option("--out", options.out, "the page")->capture_default_str();
   app.add_option("--plots", options.plots,
                  "directory for the plots alone: SVG, PDF, data, gnuplot scripts");
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/conditions/conditions.hpp"
+#include "bench/frames/arguments.hpp"
 #include "bench/tracer/contestant.hpp"
 #include "bench/tracer/frame.hpp"
 #include "bench/tracer/measurement.hpp"
@@ -308,6 +309,7 @@ int run(int argc, char** argv) {
                  "rounds of a megapixel; small pictures get up to eight times as many")
       ->check(CLI::Range(1, 1000));
   app.add_option("--json", options.json, "write every single time to this file");
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -29,7 +29,8 @@ class Application {
   virtual void on_occlusion(const Task& task, std::span<const std::uint8_t> occluded,
                             TaskSink& tasks) = 0;
 
-  /// Hands out the finished frame (Output of Listing 3.4). Called by one thread.
+  /// Hands out the finished frame (Output of Listing 3.4). Called by one thread; not of a frame
+  /// that was cancelled.
   virtual void finish_frame() {}
 };
 

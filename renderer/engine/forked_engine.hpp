@@ -161,7 +161,7 @@ FrameStats ForkedEngine<System>::run(Application& application) {
   if (error_) std::rethrow_exception(error_);
 
   const Clock::time_point collected = Clock::now();
-  application.finish_frame();
+  if (!frame.cancelled) application.finish_frame();
   frame.output_s = Seconds(Clock::now() - collected).count();
   return frame;
 }

@@ -340,7 +340,7 @@ FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
   if (error_) std::rethrow_exception(error_);
 
   const Clock::time_point collected = Clock::now();
-  application.finish_frame();
+  if (!frame.cancelled) application.finish_frame();
   using Seconds = std::chrono::duration<double>;
   frame.generate_s = Seconds(generated - begin).count();
   frame.render_s = Seconds(rendered - generated).count();

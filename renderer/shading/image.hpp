@@ -32,7 +32,7 @@ class ImageRendering final : public Application {
   }
   void finish_frame() override { image_ = frame_.image(); }
 
-  /// The last frame.
+  /// The last frame that was finished.
   const Image& image() const { return image_; }
 
  private:

@@ -1,5 +1,6 @@
 /// The list of shaders: a new one adds its header and its line.
 #include <array>
+#include <type_traits>
 
 #include "renderer/shading/ambient_occlusion.hpp"
 #include "renderer/shading/depth.hpp"
@@ -18,7 +19,7 @@ std::unique_ptr<Shader> make(const Scene& scene, FrameBuffer& frame, const Shade
 
 template <class S>
 constexpr ShaderEntry entry(std::string_view name, std::string_view summary) {
-  return {name, summary, make<S>, S::rays_per_hit};
+  return {name, summary, make<S>, S::rays_per_hit, std::is_same_v<S, Whitted>};
 }
 
 constexpr std::array entries{

@@ -44,6 +44,67 @@ Arguments render(const Arguments& more) {
   return all;
 }
 
+TEST(Tool, NothingIsNoValue) {
+  expect_one_line({"render", "--scene", ""}, "--scene: nothing");
+  expect_one_line({"render", "--queue", ""}, "--queue: nothing");
+  expect_one_line({"render", "--image", ""}, "--image: nothing");
+  expect_one_line({"compare", "--out", ""}, "--out: nothing");
+  expect_one_line({"overhead", "--json", ""}, "--json: nothing");
+}
+
+TEST(Tool, WhatWouldHaveNoEffectIsRefused) {
+  expect_one_line(render({"--image", "x.jpg"}), "name it x.png");
+  expect_one_line(render({"--shader", "depth", "--secondary", "thesis"}), "--shader whitted");
+  expect_one_line({"compare", "--shader", "whitted,path", "--secondary", "single"}, "path");
+  expect_one_line(render({"--task-system", "tbb", "--queue", "lfree"}), "--task-system queue");
+  expect_one_line({"collide", "--task-system", "openmp", "--queue", "lock"}, "--task-system queue");
+  expect_one_line({"compare", "--task-system", "tbb,openmp", "--queue", "lfree"},
+                  "--task-system queue");
+}
+
+TEST(Tool, FiguresOnStandardOutputAreAlone) {
+  const TemporaryDirectory directory;
+  Tool collide(
+      {"collide", "--scene", "office", "--particles", "100", "--frames", "1", "--json", "-"});
+  EXPECT_EQ(collide.wait(), 0) << collide.err();
+  EXPECT_EQ(nlohmann::json::parse(collide.out(), nullptr, false).size(), 1u) << collide.out();
+  EXPECT_NE(collide.err().find("100 particles"), std::string::npos) << collide.err();
+  Tool compare({"compare", "--scene", "office", "--size", "32x32", "--queue", "lock", "--threads",
+                "1", "--frames", "1", "--repetitions", "1", "--out", directory / "out", "--json",
+                "-"});
+  EXPECT_EQ(compare.wait(), 0) << compare.err();
+  EXPECT_EQ(nlohmann::json::parse(compare.out(), nullptr, false).size(), 1u) << compare.out();
+}
+
+TEST(Tool, AnInterruptedFrameOverwritesNothing) {
+  const TemporaryDirectory directory;
+  const auto office = [](Arguments more) {
+    more.insert(more.begin(), {"render", "--scene", "office", "--size", "200x200"});
+    return more;
+  };
+  Tool whole(office({"--frames", "1", "--image", directory / "whole.png"}));
+  ASSERT_EQ(whole.wait(), 0) << whole.err();
+  Tool tool(office(
+      {"--frames", "1000000", "--image", directory / "a.png", "--json", directory / "a.json"}));
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  tool.signal(SIGINT);
+  EXPECT_EQ(tool.wait(), 130) << tool.err();
+  EXPECT_EQ(contents(directory / "a.png"), contents(directory / "whole.png"));
+  const auto run = json_of(directory / "a.json").at(0);
+  EXPECT_EQ(run["status"], "interrupted");
+  EXPECT_GT(run["fps"], 0);
+  EXPECT_TRUE(run["share_traverse"].is_null() && run["share_intersect"].is_null());
+}
+
+TEST(Tool, ASmallSceneTakesTheSecondsItIsGiven) {
+  const TemporaryDirectory directory;
+  const auto begin = std::chrono::steady_clock::now();
+  Tool tool({"compare", "--scene", "office", "--size", "16x16", "--queue", "lock", "--threads", "1",
+             "--repetitions", "2", "--seconds", "8", "--out", directory / "out"});
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+}
+
 TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--queue", "lokc"}, "lock");
   expect_one_line({"render", "--bvh", "goncalvez"}, "goncalves");
