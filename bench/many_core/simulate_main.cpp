@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <iostream>
 
+#include "bench/frames/arguments.hpp"
 #include "bench/frames/interrupt.hpp"
 #include "bench/many_core/renderer_sweep.hpp"
 #include "bench/many_core/sensitivity.hpp"
@@ -80,6 +81,7 @@ int run(int argc, char** argv) {
   app.add_flag("--sensitivity", arguments.sensitivity,
                "say which conclusions hold over the ranges of the machine's figures");
   app.add_flag("--list", arguments.list, "list machines, queues and primitives");
+  refuse_empty(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/conditions/conditions.hpp"
+#include "bench/frames/arguments.hpp"
 #include "bench/frames/interrupt.hpp"
 #include "bench/frames/text_files.hpp"
 #include "bench/frames/usage_error.hpp"
@@ -190,6 +191,7 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
   Arguments given;
   CLI::App app("The renderer on machines that are not there.", "irt simulate");
   add_options(app, given);
+  refuse_empty(app);
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::Success& help) {

@@ -8,10 +8,13 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
 #include <thread>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/interrupt.hpp"
+#include "bench/frames/text_files.hpp"
 #include "bench/many_core/children.hpp"
 #include "bench/many_core/contended.hpp"
 #include "bench/many_core/runs.hpp"
@@ -179,11 +182,14 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
     out.open(journal, options.resume ? std::ios::app : std::ios::trunc);
     if (!out) throw UsageError(fmt::format("{}: cannot be written", journal.string()));
   }
-  std::vector<std::vector<nlohmann::json>> results(tasks.size());
-  const auto add = [&](std::size_t task, const nlohmann::json& result) {
-    results[task].push_back(result);
-    if (results[task].size() == tasks[task].seeds)
-      done(task, summarise(*tasks[task].profile, tasks[task].point, results[task]));
+  // By seed, whichever is done first.
+  std::vector<std::map<std::uint64_t, nlohmann::json>> results(tasks.size());
+  const auto add = [&](std::size_t task, std::uint64_t seed, const nlohmann::json& result) {
+    results[task][seed] = result;
+    if (results[task].size() != tasks[task].seeds) return;
+    std::vector<nlohmann::json> in_order;
+    for (const auto& [number, one] : results[task]) in_order.push_back(one);
+    done(task, summarise(*tasks[task].profile, tasks[task].point, in_order));
   };
   std::vector<Run> runs;
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -191,7 +197,7 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
          ++seed) {
       const auto found = known.find(key_of(tasks[i], seed));
       if (found != known.end()) {
-        add(i, found->second);
+        add(i, seed, found->second);
       } else {
         runs.push_back({i, seed});
       }
@@ -213,7 +219,7 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
                                 {"result", result}}
                      .dump()
               << std::endl;
-        add(runs[i].task, result);
+        add(runs[i].task, runs[i].seed, result);
       },
       interrupted);
   return !interrupted;
@@ -221,11 +227,22 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
 
 namespace {
 
+// What a module claims; nothing where it does not load.
+std::optional<Claims> claims_of(const std::filesystem::path& file) {
+  try {
+    const virtual_cores::Module module(file);
+    return module.function<const QueueEntry*()>("irt_queue_entry")()->claims;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
 // Why a queue cannot be run in a scenario, by its claims; empty if it can.
 std::string obstacle(const Point& point) {
   if (point.scenario == Scenario::primitive || point.threads == 1) return {};
-  const virtual_cores::Module module(point.module);
-  const Claims& claims = module.function<const QueueEntry*()>("irt_queue_entry")()->claims;
+  const std::optional<Claims> read = claims_of(point.module);
+  if (!read) return {};  // to be told by each of its points
+  const Claims& claims = *read;
   if (!claims.allows_workers(point.threads))
     return "the queue is for at most " + std::to_string(claims.max_workers) + " workers";
   if (claims.consumers == Callers::own_worker && point.scenario == Scenario::sides)
@@ -273,11 +290,13 @@ std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile>
   return tasks;
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (!out) throw UsageError(fmt::format("{}: cannot be written", file.string()));
+// Those of each queue at its most threads.
+void print_hot_lines(std::FILE* people, const Json& runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool last = i + 1 == runs.size() || runs[i + 1]["queue"] != runs[i]["queue"];
+    const std::string text = last ? hot_lines_text(runs[i]) : "";
+    if (!text.empty()) fmt::print(people, "{}\n", text);
+  }
 }
 
 }  // namespace
@@ -303,6 +322,7 @@ int simulate_sweep(const SweepOptions& options, const std::atomic<bool>& interru
                                 run["machine"].get<std::string>(), run["queue"].get<std::string>(),
                                 run["threads"].get<unsigned>(), run["status"].get<std::string>());
                    });
+  std::FILE* const people = beside(options.json);
   Json finished = Json::array();
   for (const Json& run : runs)
     if (!run.is_null()) finished.push_back(run);
@@ -311,17 +331,18 @@ int simulate_sweep(const SweepOptions& options, const std::atomic<bool>& interru
     for (const Json& run : finished)
       if (run["machine"] == profile.name) of_machine.push_back(run);
     if (of_machine.empty()) continue;
-    fmt::print("simulated: {} ({}), {}, {} ns of work, seeds {} to {}\n", profile.name,
+    fmt::print(people, "simulated: {} ({}), {}, {} ns of work, seeds {} to {}\n", profile.name,
                profile.summary, of_machine[0]["scenario"].get<std::string>(), options.work_ns,
                options.first_seed, options.first_seed + options.seeds - 1);
-    fmt::print("{}within {}\n", table(of_machine), of_machine.back()["band"].get<std::string>());
-    fmt::print("{}\n", hot_lines_text(of_machine.back()));
+    fmt::print(people, "{}within {}\n", table(of_machine),
+               of_machine.back()["band"].get<std::string>());
+    print_hot_lines(people, of_machine);
   }
   const std::string text = finished.dump(1);
-  write(options.out / "simulate.json", text);
-  write(options.out / "simulate.csv", finished.empty() ? "" : csv(finished));
-  if (!options.json.empty()) write(options.json, text);
-  fmt::print("written: {0}/simulate.json, {0}/simulate.csv\n", options.out.string());
+  write_text(options.out / "simulate.json", text);
+  write_text(options.out / "simulate.csv", finished.empty() ? "" : csv(finished));
+  if (!options.json.empty()) write_text(options.json, text);
+  fmt::print(people, "written: {0}/simulate.json, {0}/simulate.csv\n", options.out.string());
   if (!complete) return exit_interrupted;
   return findings ? 1 : 0;
 }

@@ -1,0 +1,76 @@
+/// `irt simulate` as a user runs it.
+#include <algorithm>
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "tests/bench/running_tool.hpp"
+
+namespace irt {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SimulateTest : public testing::Test {
+ protected:
+  Arguments sweep(const std::string& queues) const {
+    return {"--machine", "granite-rapids-96", "--queue", queues,  "--cores", "1,2", "--time",
+            "0.02",      "--seeds",           "2",       "--out", out_};
+  }
+  nlohmann::json runs() const { return json_of(out_ / "simulate.json"); }
+
+  TemporaryDirectory directory_;
+  fs::path out_ = directory_ / "out";
+};
+
+TEST_F(SimulateTest, BaselinesThatCarryNothingAreSimulated) {
+  RunningTool tool(IRT_SIMULATE, sweep("faa,cas,delay"));
+  EXPECT_EQ(tool.wait(), 0) << tool.out();
+  for (const auto& run : runs()) EXPECT_EQ(run["status"], "ok") << run["message"];
+}
+
+TEST_F(SimulateTest, EveryQueueHasItsHottestLines) {
+  RunningTool tool(IRT_SIMULATE, sweep("lock,lfree"));
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  for (const char* queue : {"lock", "lfree"}) {
+    EXPECT_NE(tool.out().find(std::string("hottest lines of ") + queue + ", 2"), std::string::npos)
+        << tool.out();
+  }
+  // Whichever seed was done first.
+  for (const auto& run : runs()) EXPECT_FALSE(run["hot_lines"].is_null());
+}
+
+TEST_F(SimulateTest, AModuleThatDoesNotLoadEndsNoSweep) {
+  const fs::path build = fs::path(IRT_SIMULATE).parent_path().parent_path().parent_path();
+  const fs::path tools = directory_ / "build/bench/many_core",
+                 modules = directory_ / "build/stress/checker";
+  fs::create_directories(tools);
+  fs::create_directories(modules);
+  fs::copy(IRT_SIMULATE, tools);
+  fs::create_symlink(build / "stress/checker/irt_checked_lock.so", modules / "irt_checked_lock.so");
+  std::ofstream(modules / "irt_checked_broken.so") << "no module";
+  RunningTool tool((tools / "irt-simulate").c_str(), sweep("broken,lock"));
+  EXPECT_EQ(tool.wait(), 1) << tool.err();
+  ASSERT_EQ(runs().size(), 4u);
+  for (const auto& run : runs()) {
+    EXPECT_EQ(run["status"], run["queue"] == "lock" ? "ok" : "failed") << run["message"];
+  }
+}
+
+TEST_F(SimulateTest, FiguresOnStandardOutputAreAlone) {
+  Arguments arguments = sweep("lock");
+  arguments.insert(arguments.end(), {"--json", "-"});
+  RunningTool tool(IRT_SIMULATE, arguments);
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  EXPECT_EQ(nlohmann::json::parse(tool.out(), nullptr, false).size(), 2u) << tool.out();
+}
+
+TEST_F(SimulateTest, NothingIsNoValue) {
+  for (const char* option : {"--queue", "--out", "--machine"}) {
+    RunningTool tool(IRT_SIMULATE, {option, ""});
+    EXPECT_EQ(tool.wait(), 2);
+    EXPECT_NE(tool.err().find(std::string(option) + ": nothing"), std::string::npos) << tool.err();
+  }
+}
+
+}  // namespace
+}  // namespace irt
