@@ -262,6 +262,7 @@ void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) 
 // finds what memory holds and nothing needs an event.
 void Execution::step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc) {
   if (!observed()) return note_unwatched();
+  if (address >> 63U == 0) note(writes ? Look::Kind::write : Look::Kind::read, address, size);
   check_touch(address, size, writes, true, pc);
   if (phase_ != Phase::endless && walk_ <= long_walk) return;
   if (writes && address >> 63U == 0) alone_.note_write(address, size);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "stress/checker/depth_first.hpp"
+#include "stress/checker/exchange.hpp"
 #include "stress/checker/exhaustive.hpp"
 #include "stress/checker/random.hpp"
 
@@ -12,10 +13,11 @@ namespace irt::checker {
 
 namespace {
 
-std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget) {
+std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget,
+                                        std::vector<unsigned> roles) {
   switch (options.search) {
     case Search::exhaustive:
-      return std::make_unique<Exhaustive>(options.shard, options.shards);
+      return std::make_unique<Exhaustive>(options.shard, options.shards, std::move(roles));
     case Search::bounded:
       return std::make_unique<DepthFirst>(budget);
     case Search::random:
@@ -71,7 +73,29 @@ constexpr const char* executions_differ =
     "executions differ where all choices are the same: the code depends on chance, time or a state "
     "that the checker does not give it";
 
-Result explore(const Options& options, Execution& execution) {
+/// Whether what else is asked for allows to exchange equal threads: whether an allocation fails, or
+/// gets old memory, does not depend on its thread alone, and neither does what is read in a race;
+/// and executions that end in what is known are not looked at further.
+bool may_exchange(const Scenario& scenario, const Options& options) {
+  const Limits& limits = options.limits;
+  return options.symmetry && options.search == Search::exhaustive && limits.races &&
+         !limits.reuse_memory && limits.failing_allocations == 0 && options.known.empty() &&
+         (!scenario.judge || scenario.outcome);
+}
+
+/// How an execution ended for the search, once its equal threads were exchanged.
+Outcome exchanged(Exchange& exchange, const Strategy& strategy, Outcome outcome, Result& result) {
+  Exchange::Answer answer = exchange.check(outcome);
+  result.exchanged = {exchange.orders(), exchange.histories(), exchange.executions()};
+  if (answer == Exchange::Answer::found) return Outcome::found;
+  if (answer == Exchange::Answer::fails) result.uneven = exchange.why();
+  if (strategy.loses_symmetry()) result.uneven = "a thread goes on where an equal one waits";
+  if (result.uneven.empty() && answer == Exchange::Answer::holds) return outcome;
+  result.exchanged = {};
+  return Outcome::restart;
+}
+
+Result explore(const Scenario& scenario, const Options& options, Execution& execution) {
   using Stopwatch = std::chrono::steady_clock;
   const auto start = Stopwatch::now();
   const auto elapsed = [start] {
@@ -82,7 +106,15 @@ Result explore(const Options& options, Execution& execution) {
   SearchProgress last;
   const unsigned last_budget = options.search == Search::bounded ? options.budget : 0;
   for (unsigned budget = 0; budget <= last_budget; ++budget) {
-    auto strategy = make_strategy(options, budget);
+    std::optional<Exchange> exchange;
+    const auto anew = [&] {
+      const bool exchanges = may_exchange(scenario, options) && result.uneven.empty();
+      exchange.reset();
+      if (exchanges) exchange.emplace(scenario, execution);
+      if (exchange && exchange->roles().empty()) exchange.reset();
+      return make_strategy(options, budget, exchange ? exchange->roles() : std::vector<unsigned>{});
+    };
+    auto strategy = anew();
     while (strategy->begin()) {
       if ((made & 63U) == 0) {
         result.seconds = elapsed();
@@ -97,7 +129,7 @@ Result explore(const Options& options, Execution& execution) {
       if (made == options.executions || result.seconds > options.seconds ||
           (options.stops && options.stops(made)))
         return result;
-      const Outcome outcome = execution.run(*strategy);
+      Outcome outcome = execution.run(*strategy);
       ++made;
       if (execution.out_of_time()) {
         result.seconds = elapsed();
@@ -108,8 +140,6 @@ Result explore(const Options& options, Execution& execution) {
         result.seconds = elapsed();
         return result;
       }
-      result.assumed_waits = execution.assumed_waits();
-      result.incomplete = execution.incomplete();
       if (!strategy->counted_elsewhere()) {
         ++result.executions;
         result.complete += outcome == Outcome::complete ? 1 : 0;
@@ -117,6 +147,15 @@ Result explore(const Options& options, Execution& execution) {
         result.cut += outcome == Outcome::cut ? 1 : 0;
       }
       if (outcome == Outcome::complete && options.each) options.each(execution);
+      if (exchange && outcome != Outcome::found && outcome != Outcome::restart)
+        outcome = exchanged(*exchange, *strategy, outcome, result);
+      result.assumed_waits = execution.assumed_waits();
+      result.incomplete = execution.incomplete();
+      if (execution.out_of_time()) {
+        result.seconds = elapsed();
+        return result;
+      }
+      if (!result.uneven.empty() && options.shards > 1) return result;  // all parts begin anew
       if (outcome == Outcome::found) {
         result.finding = execution.finding();
         result.schedule = {execution.steps(), strategy->resumes_waiting()};
@@ -124,7 +163,7 @@ Result explore(const Options& options, Execution& execution) {
         return result;
       }
       if (outcome == Outcome::restart) {
-        strategy = make_strategy(options, budget);
+        strategy = anew();
         result.complete = result.blocked = result.cut = 0;
       }
     }
@@ -154,7 +193,7 @@ Result check(const Scenario& scenario, const Options& options) {
     execution.know(options.known);
     execution.until(deadline);
     if (options.watch_orders) execution.watch_orders();
-    result = explore(options, execution);
+    result = explore(scenario, options, execution);
     result.order_sites = execution.order_sites();
     result.allocates = execution.allocates();
   }

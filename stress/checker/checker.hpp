@@ -51,12 +51,22 @@ struct Options {
   /// Findings to pass over, see Execution::know.
   std::vector<Finding> known{};
   bool watch_orders = false;  ///< fills Result::order_sites
+  /// Exchange equal threads in `exhaustive`, see exchange.hpp. Of several shards one may find that
+  /// they are not equal, and stops there; then all must be made anew without.
+  bool symmetry = true;
   /// Called after each execution that ran to its end.
   std::function<void(const Execution&)> each{};
   /// Asked before each execution, with the number of those before it; true ends the search.
   std::function<bool(std::uint64_t)> stops{};
   /// Called every two seconds.
   std::function<void(const SearchProgress&)> progress{};
+};
+
+/// Equal threads that were exchanged for each other, to explore one of all orders of them.
+struct Exchanged {
+  std::size_t orders = 1;        ///< of the threads; 1: none was exchanged
+  std::size_t histories = 0;     ///< of single threads that the exchange was tried on
+  std::uint64_t executions = 0;  ///< made for that, beyond those of the search
 };
 
 struct Result {
@@ -74,6 +84,8 @@ struct Result {
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds
   /// A limit that was reached, for which the search shows less than everything; else empty.
   std::string incomplete{};
+  Exchanged exchanged{};
+  std::string uneven{};  ///< why equal threads were not exchanged after all; empty if not tried
   /// Estimated part of the work that was done, from 0 to 1; 0 where nobody knows. The tree of
   /// choices is weighed, each subtree like its siblings (Kilby, Slaney, Thiebaux and Walsh 2006,
   /// "Estimating Search Tree Size"): the order is right more often than the digits.

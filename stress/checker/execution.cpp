@@ -38,6 +38,7 @@ Outcome Execution::run(Strategy& strategy) {
   graph_.clear();
   heap_.clear();
   steps_.clear();
+  if (diary_ != nullptr) diary_->clear();
   finding_.reset();
   froze_ = out_of_time_ = false;
   stores_ = walk_ = 0;
@@ -112,6 +113,15 @@ Outcome Execution::run(Strategy& strategy) {
   return outcome_;
 }
 
+bool Execution::is_stack(std::uintptr_t address) const {
+  return std::any_of(stacks_.begin(), stacks_.end(),
+                     [&](std::uintptr_t stack) { return address - stack < stack_bytes_; });
+}
+
+bool Execution::is_global(std::uintptr_t address) const {
+  return scenario_.module != nullptr && scenario_.module->owns_global(address);
+}
+
 void Execution::run_main(const std::function<void()>& work) {
   arm(cores_, main_, work);
   cores_.run(main_);
@@ -169,6 +179,7 @@ std::string Execution::stalled() const {
 void Execution::reach(std::uintptr_t address, bool writes) {
   ThreadState& state = me();
   if (phase_ != Phase::parallel) return;
+  if (diary_ != nullptr) diary_->settle(cores_.current());
   if (frozen_ && frozen_->first == cores_.current() &&
       graph_.thread(frozen_->first).events.size() >= frozen_->second) {
     froze_ = state.done = true;
@@ -192,6 +203,7 @@ void Execution::go_elsewhere() {
 }
 
 unsigned Execution::finished(unsigned core) {
+  if (diary_ != nullptr && core != host) diary_->settle(core);
   if (phase_ == Phase::endless) conclude_alone(false, nullptr);
   if (phase_ != Phase::parallel) return host;
   if (core != host) states_[core].done = true;

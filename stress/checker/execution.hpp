@@ -13,6 +13,7 @@
 #include "stress/checker/ageing.hpp"
 #include "stress/checker/cycle_watch.hpp"
 #include "stress/checker/deadline.hpp"
+#include "stress/checker/diary.hpp"
 #include "stress/checker/finding.hpp"
 #include "stress/checker/graph.hpp"
 #include "stress/checker/heap.hpp"
@@ -40,7 +41,12 @@ struct Scenario {
   /// What tells the outcomes that the judge was asked about from each other, a number for each; may
   /// be empty.
   std::function<std::vector<std::uint64_t>()> histories{};
+  /// The number of the outcome that the judge was asked about last; equal threads of a scenario with
+  /// a judge are not exchanged without it.
+  std::function<std::uint64_t()> outcome{};
   virtual_cores::Module* module = nullptr;  ///< its globals start afresh each time
+  /// By thread: those of one number seem to do the same; empty: none do. See exchange.hpp.
+  std::vector<unsigned> roles{};
 };
 
 struct Limits {
@@ -113,6 +119,10 @@ class Execution final : public virtual_cores::Tenant {
   /// Loops that were taken to wait although their state changed.
   [[nodiscard]] std::size_t assumed_waits() const { return assumed_waits_; }
   [[nodiscard]] const Heap& heap() const { return heap_; }
+  Heap& heap() { return heap_; }
+  /// Whether `address` is in a core's stack, and in a variable of the module.
+  [[nodiscard]] bool is_stack(std::uintptr_t address) const;
+  [[nodiscard]] bool is_global(std::uintptr_t address) const;
   [[nodiscard]] const virtual_cores::Cores& cores() const { return cores_; }
 
   /// The past of `thread`, as a judge may need it between operations.
@@ -175,6 +185,8 @@ class Execution final : public virtual_cores::Tenant {
   void watch_orders() { watches_orders_ = true; }
   /// The orders met since, each once.
   [[nodiscard]] const std::vector<OrderSite>& order_sites() const { return order_sites_; }
+  /// Notes in `diary` what threads look at besides their events, in runs to come.
+  void keep(Diary* diary) { diary_ = diary; }
   /// From now on, the code's order at these places is another one.
   void weaken(const std::vector<std::pair<OrderSite, Order>>& changes);
 
@@ -329,6 +341,16 @@ class Execution final : public virtual_cores::Tenant {
   }
   void step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc);
 
+  void note(Look::Kind kind, std::uintptr_t address, std::size_t size) {
+    if (diary_ == nullptr || phase_ < Phase::parallel) return;
+    const unsigned thread = cores_.current();
+    const std::size_t moment = graph_.thread(thread).events.size();
+    if (kind < Look::Kind::allocate)
+      diary_->note(kind, thread, moment, address, size);
+    else
+      diary_->note_block(kind, thread, moment, address, size);
+  }
+
   static Execution* running;
   const Scenario& scenario_;
   Limits limits_;
@@ -366,6 +388,7 @@ class Execution final : public virtual_cores::Tenant {
   bool stack_locations_ = false;
   std::vector<std::uintptr_t> stacks_;  ///< of the cores: lowest addresses
   std::size_t stack_bytes_;
+  Diary* diary_ = nullptr;
   std::vector<OrderSite> order_sites_;
   std::unordered_map<const void*, Order> weakened_[2];  ///< of success, of failure
 };

@@ -45,6 +45,7 @@ bool Exhaustive::begin() {
   cut_ = false;
   trace_.clear();
   events_.clear();
+  symmetry_.begin();
   remaining_.assign(max_threads, 0);
   for (const Planned& planned : current_.plan) {
     ++remaining_[planned.thread];
@@ -100,6 +101,16 @@ void Exhaustive::push(const Planned& last, bool verify) {
   add(std::move(work));
 }
 
+// Whether an equal thread should be the one to read the store at `at`, or to store after it.
+bool Exhaustive::forbids(const Execution& execution, const Event& event, std::uint32_t location,
+                         std::size_t at, bool reads) const {
+  const Graph& graph = execution.graph();
+  const Event& store = graph.event(graph.location(location).stores[at]);
+  return symmetry_.forbids(graph, execution.heap(), event.thread, event.index, location, at,
+                           reads ? &store.causes : nullptr,
+                           [&](EventId id) { return graph.find_place(location, id); });
+}
+
 std::size_t Exhaustive::choose_read(Execution& execution, Event& event, std::uint32_t location,
                                     std::span<const ReadOption> options) {
   const Graph& graph = execution.graph();
@@ -115,12 +126,13 @@ std::size_t Exhaustive::choose_read(Execution& execution, Event& event, std::uin
       alone.reads = alone.writes = true;
       alone.from = at.stores[option.place];
       alone.causes.join(store.causes);
+      alone.causes.join(symmetry_.past(graph, event.thread, event.index));
       alone.read_stamp = stamp_ + 1;
       alone.write_stamp = stamp_ + 2;
       revisit(execution, alone, location, option.place);
     } else if (chosen == options.size()) {
       chosen = i;
-    } else {
+    } else if (!forbids(execution, event, location, option.place, true)) {
       push({.from = graph.event(at.stores[option.place]).ref(),
             .read_stamp = stamp_ + 1,
             .thread = event.thread,
@@ -134,19 +146,22 @@ std::size_t Exhaustive::choose_read(Execution& execution, Event& event, std::uin
 std::size_t Exhaustive::choose_place(Execution& execution, Event& event, std::uint32_t location,
                                      std::span<const std::size_t> places) {
   const Graph& graph = execution.graph();
-  for (const std::size_t place : places.subspan(1))
+  for (const std::size_t place : places.subspan(1)) {
+    if (forbids(execution, event, location, place - 1, false)) continue;
     push({.from = graph.event(graph.location(location).stores[place - 1]).ref(),
           .write_stamp = stamp_ + 1,
           .thread = event.thread},
          false);
+  }
   return 0;
 }
 
-unsigned Exhaustive::choose_other(Execution&, Event& event, unsigned count) {
+unsigned Exhaustive::choose_other(Execution& execution, Event& event, unsigned count) {
   if (position_ != current_.plan.size()) return current_.plan[position_].option;
   for (unsigned option = 1; option < count; ++option)
-    push({.choice = event.pc, .option = option, .read_stamp = stamp_ + 1, .thread = event.thread},
-         false);
+    if (!symmetry_.forbids_option(execution.graph(), event.thread, event.index, option))
+      push({.choice = event.pc, .option = option, .read_stamp = stamp_ + 1, .thread = event.thread},
+           false);
   return 0;
 }
 
@@ -154,6 +169,10 @@ void Exhaustive::added(Execution& execution, const Event& made) {
   Graph& graph = execution.graph();
   const EventId id = graph.id_of(made);
   Event& event = graph.event(id);
+  if (symmetry_.any()) {
+    graph.depend(event, symmetry_.past(graph, event.thread, event.index));
+    symmetry_.added(graph, execution.heap(), event);
+  }
   bool fresh = event.writes;
   bool last = false;
   if (position_ < current_.plan.size()) {
@@ -299,6 +318,20 @@ void Exhaustive::revisit(const Execution& execution, const Event& store, std::ui
     };
     const std::size_t read_floor = lowest_seen(read.before);
 
+    // Whether equal threads should be those to store after `stays[at]` and to read that.
+    const auto forbidden = [&](std::size_t at) {
+      const auto place = [&](EventId s) -> std::optional<std::size_t> {
+        const auto found = std::find(stays.begin(), stays.end(), s);
+        if (found == stays.end()) return std::nullopt;
+        const auto before = static_cast<std::size_t>(found - stays.begin());
+        return before > at ? before + 1 : before;
+      };
+      const Clock* source = modifies ? &graph.event(stays[at]).causes : nullptr;
+      return symmetry_.forbids(graph, execution.heap(), store.thread, store.index, id, at, source,
+                               place) ||
+             symmetry_.forbids(graph, execution.heap(), read.thread, read.index, id, at + 1,
+                               &store.causes, place);
+    };
     const auto offer = [&](Planned made) {
       Work work;
       work.verify = true;
@@ -320,13 +353,13 @@ void Exhaustive::revisit(const Execution& execution, const Event& store, std::ui
       const auto place =
           static_cast<std::size_t>(std::find(stays.begin(), stays.end(), source) - stays.begin()) +
           1;
-      if (parts_modification(place) || place <= read_floor) continue;
+      if (parts_modification(place) || place <= read_floor || forbidden(place - 1)) continue;
       made.from = graph.event(source).ref();
       offer(made);
     } else {
       const std::size_t lowest = std::max(lowest_seen(store.before), read_floor) + 1;
       for (std::size_t place = stays.size() + 1; place-- > lowest;) {
-        if (parts_modification(place)) continue;
+        if (parts_modification(place) || forbidden(place - 1)) continue;
         made.from = graph.event(stays[place - 1]).ref();
         offer(made);
       }

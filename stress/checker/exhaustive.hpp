@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "stress/checker/strategy.hpp"
+#include "stress/checker/symmetry.hpp"
 
 namespace irt::checker {
 
@@ -27,8 +28,14 @@ class Exhaustive final : public Strategy {
  public:
   /// All of the work, or the `shard`-th of `shards` parts of it. Each part makes the first few
   /// executions, which all share; only the first part counts them.
-  explicit Exhaustive(unsigned shard = 0, unsigned shards = 1)
-      : work_(1), shard_(shard), shards_(shards), shared_(shards > 1) {}
+  /// With `roles`, one of all graphs that differ in which of several equal threads does what: see
+  /// symmetry.hpp.
+  explicit Exhaustive(unsigned shard = 0, unsigned shards = 1, std::vector<unsigned> roles = {})
+      : work_(1),
+        shard_(shard),
+        shards_(shards),
+        shared_(shards > 1),
+        symmetry_(std::move(roles)) {}
 
   bool begin() override;
   unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
@@ -48,6 +55,7 @@ class Exhaustive final : public Strategy {
   [[nodiscard]] bool counted_elsewhere() const override { return shared_ && shard_ != 0; }
   [[nodiscard]] bool gives_up() const override { return cut_; }
   [[nodiscard]] bool resumes_waiting() const override { return false; }
+  [[nodiscard]] bool loses_symmetry() const override { return symmetry_.broken(); }
 
  private:
   /// An event to be made again.
@@ -71,6 +79,8 @@ class Exhaustive final : public Strategy {
                std::size_t after);
   void push(const Planned& last, bool verify);
   void weigh();
+  [[nodiscard]] bool forbids(const Execution& execution, const Event& event, std::uint32_t location,
+                             std::size_t at, bool reads) const;
   void add(Work work);
 
   std::deque<Work> work_;
@@ -91,6 +101,7 @@ class Exhaustive final : public Strategy {
   std::vector<EventId> events_;
   std::vector<std::uint32_t> remaining_;  ///< planned events by thread
   bool cut_ = false;
+  Symmetry symmetry_;
 };
 
 }  // namespace irt::checker

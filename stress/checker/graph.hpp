@@ -142,6 +142,11 @@ class Graph {
   }
   /// All that `earlier` did happens before what `later` does next: it created it or saw it end.
   void order(unsigned earlier, unsigned later);
+  /// `event`, the last one, has also these causes.
+  void depend(Event& event, const Clock& causes) {
+    event.causes.join(causes);
+    threads_[event.thread].causes = event.causes;
+  }
 
   [[nodiscard]] bool happens_before(const Event& event, const Clock& clock) const {
     return event.kind == EventKind::initial || clock.count[event.thread] >= event.index;

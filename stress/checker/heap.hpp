@@ -86,6 +86,15 @@ class Heap {
   void free(Block& block, unsigned thread, const void* pc);
 
   [[nodiscard]] bool owns(std::uintptr_t address) const { return address - base_ < bytes_; }
+  /// Whose region `address` is in; `no_region` if it is in none.
+  [[nodiscard]] unsigned region_of(std::uintptr_t address) const {
+    return owns(address) ? static_cast<unsigned>((address - base_) / region_bytes) : no_region;
+  }
+  static constexpr unsigned no_region = ~0U;
+  /// The address in the region of `to` that corresponds to one in that of `from`.
+  [[nodiscard]] static std::uintptr_t twin(std::uintptr_t address, unsigned from, unsigned to) {
+    return address - from * region_bytes + to * region_bytes;
+  }
   /// The block that `address` is in or, if in none, the one before it in the same region; null if
   /// there is none.
   Block* find(std::uintptr_t address);
@@ -100,6 +109,9 @@ class Heap {
     Cell& known = cells_[(address - base_) / 8];
     return known.generation == generation_ ? &known : nullptr;
   }
+
+  /// The only thread that touched the eight bytes at `address` / 8 * 8, plus one; 0: none.
+  [[nodiscard]] std::uint8_t toucher(std::uintptr_t address) { return cell(address).toucher; }
 
   [[nodiscard]] const Touch& touch(std::uint32_t number) const { return touches_[number - 1]; }
   /// Notes a touch. It takes the place of the thread's earlier ones of the kind that it covers.

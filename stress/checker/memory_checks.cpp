@@ -150,6 +150,7 @@ void Execution::report_unusable(std::uintptr_t eight_bytes, bool writes, bool at
 void Execution::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
   if (!observed()) return note_unwatched();
   if (on_own_stack(address)) return;
+  note(Look::Kind::read, address, size);
   check_touch(address, size, false, false, pc);
 }
 
@@ -164,6 +165,7 @@ void Execution::plain_write(std::uintptr_t address, std::size_t size, const void
     return;
   }
   ++me().effects;
+  note(Look::Kind::write, address, size);
   if (phase_ == Phase::endless) alone_.note_write(address, size);
   check_touch(address, size, true, false, pc);
 }
@@ -186,6 +188,7 @@ void* Execution::allocate(std::size_t size, std::size_t alignment, const void* p
                     : heap_.allocate(thread, size, alignment, pc);
   if (block == nullptr)
     give_up(fmt::format("a thread allocates more than {} MB", Heap::region_bytes >> 20U));
+  note(Look::Kind::allocate, reinterpret_cast<std::uintptr_t>(block), size);
   heap_.find(reinterpret_cast<std::uintptr_t>(block))->allocated_after =
       graph_.thread(thread).now.count[thread];
   // What is there must not depend on the execution before.
@@ -202,6 +205,7 @@ void Execution::release(void* pointer, const void* pc) {
   }
   if (phase_ == Phase::endless) conclude_alone(false, pc);
   alone_.begin();
+  note(Look::Kind::release, address, 0);
   const unsigned thread = cores_.current();
   Block* block = heap_.find(address);
   if (block == nullptr || block->address != address)

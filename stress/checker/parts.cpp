@@ -33,6 +33,8 @@ struct Told {
   std::atomic<double> explored{0};
 };
 struct Shared {
+  /// The execution that found something or, if earlier, the one that shows that equal threads are
+  /// not, so that all begins anew.
   std::atomic<std::uint64_t> first_finding{~std::uint64_t{0}};
   Told parts[CPU_SETSIZE];
 };
@@ -74,7 +76,7 @@ std::string work(const Scenario& scenario, Options options, Shared& shared) {
   };
   try {
     const Result result = check(scenario, options);
-    if (result.finding) {
+    if (result.finding || !result.uneven.empty()) {
       const std::uint64_t mine = told.made * options.shards + options.shard;
       std::uint64_t first = shared.first_finding;
       while (mine < first && !shared.first_finding.compare_exchange_weak(first, mine)) {
@@ -228,11 +230,15 @@ class Parts {
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       Result part = from_bytes(parts_[i].sent.substr(1));
       const std::uint64_t found_at = shared_->parts[i].made * parts_.size() + i;
-      if (part.finding && found_at < first) {
+      if ((part.finding || !part.uneven.empty()) && found_at < first) {
         first = found_at;
         sum.finding = std::move(part.finding);
         sum.schedule = std::move(part.schedule);
+        sum.uneven = std::move(part.uneven);
       }
+      sum.exchanged.orders = std::max(sum.exchanged.orders, part.exchanged.orders);
+      sum.exchanged.histories = std::max(sum.exchanged.histories, part.exchanged.histories);
+      sum.exchanged.executions += part.exchanged.executions;
       for (const Execution::OrderSite& site : part.order_sites)
         if (std::none_of(sum.order_sites.begin(), sum.order_sites.end(), [&site](const auto& s) {
               return s.pc == site.pc && s.failure == site.failure;
@@ -293,11 +299,18 @@ Result check_in_parts(const Scenario& scenario, const Options& options, unsigned
   little.seconds = alone_seconds;
   Result result = check(scenario, little);
   if (result.finding || result.finished || result.executions >= options.executions) return result;
-  const double spent = result.seconds;
-  Options rest = options;
-  rest.seconds -= spent;
-  result = Parts(scenario, rest, jobs).results();
-  result.seconds += spent;
+  double spent = result.seconds;
+  std::string uneven = std::move(result.uneven);
+  for (;;) {
+    Options rest = options;
+    rest.seconds -= spent;
+    rest.symmetry = rest.symmetry && uneven.empty();
+    result = Parts(scenario, rest, jobs).results();
+    spent = result.seconds += spent;
+    if (result.uneven.empty()) break;
+    uneven = std::move(result.uneven);
+  }
+  result.uneven = std::move(uneven);
   return result;
 }
 

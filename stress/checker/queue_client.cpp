@@ -51,6 +51,10 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     // A queue with a call in the middle of it cannot be destroyed.
     if (!stopped) delete queue_;
   };
+  for (const std::string& word : shape_.threads)
+    scenario_.roles.push_back(static_cast<unsigned>(
+        std::find(shape_.threads.begin(), shape_.threads.end(), word) - shape_.threads.begin()));
+  scenario_.outcome = [this] { return outcome_; };
   scenario_.judge = [this](const Execution& execution) { return judge_history(execution); };
   scenario_.histories = [this] {
     std::vector<std::uint64_t> result;
@@ -299,6 +303,7 @@ std::optional<std::string> QueueClient::judge_history(const Execution& execution
     for (const Operation* a : sorted)
       if (a->phase == b->phase) key += precedes(*a, *b) ? '<' : ' ';
   }
+  outcome_ = std::hash<std::string>{}(key);
   const auto known = judged_.find(key);
   if (known != judged_.end() && known->second) return std::nullopt;
   Opinion opinion = judge(operations_, entry_.claims, capacity_, !leaves_inside(shape_));

@@ -29,7 +29,7 @@ Schedule parse_schedule(std::string_view text);
 
 /// Repeats a schedule once. Where it does not fit, `fits` says so; what comes after its end is the
 /// dullest choice each time.
-class Replay final : public Strategy {
+class Replay : public Strategy {
  public:
   explicit Replay(Schedule schedule);
 

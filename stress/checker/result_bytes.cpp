@@ -35,6 +35,8 @@ std::string to_bytes(const Result& r) {
   w.put(r.finished);
   w.put(r.explored);
   w.put(r.seconds);
+  w.put(r.exchanged);
+  w.put_all(r.uneven);
   return std::move(w.bytes);
 }
 
@@ -68,6 +70,8 @@ Result from_bytes(const std::string& bytes) {
   r.finished = in.take<bool>();
   r.explored = in.take<double>();
   r.seconds = in.take<double>();
+  r.exchanged = in.take<Exchanged>();
+  r.uneven = in.take_all<std::string>();
   return r;
 }
 

@@ -67,6 +67,8 @@ class Strategy {
   virtual void added(Execution& execution, const Event& event);
   /// Whether the execution, although at its end, is to be passed over.
   [[nodiscard]] virtual bool gives_up() const { return false; }
+  /// Whether threads that it took for equal turned out to differ, so that it proves nothing.
+  [[nodiscard]] virtual bool loses_symmetry() const { return false; }
   /// Whether an execution had other alternatives than the one that it was to repeat.
   [[nodiscard]] virtual bool differs() const { return false; }
 

@@ -18,6 +18,13 @@ std::string estimate(std::uint64_t executions, double explored) {
   return fmt::format("  about {:.0g} in all", static_cast<double>(executions) / explored);
 }
 
+/// What was saved by threads that do the same.
+std::string exchanges(const Result& r) {
+  if (r.exchanged.orders == 1 || !r.finished) return "";
+  return fmt::format(" (1 of {} orders of equal threads; exchange verified on {} histories)",
+                     r.exchanged.orders, r.exchanged.histories);
+}
+
 /// What was tried in one way: how many shapes, how many of them to the end.
 struct Sum {
   std::size_t shapes = 0;
@@ -88,8 +95,8 @@ void say(const ShapeResult& s) {
     verdict = "nothing within the bound";
   else if (!r.incomplete.empty())
     verdict = "not proved: " + r.incomplete;
-  fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}\n", s.shape,
-             s.search, r.executions, r.seconds, s.histories, verdict);
+  fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}{}\n", s.shape,
+             s.search, r.executions, r.seconds, s.histories, verdict, exchanges(r));
   std::fflush(stdout);
 }
 
