@@ -25,8 +25,7 @@
 /// races, use after free and leaks follows from events, looks and pointers, which are exchanged.
 ///
 /// Given up, and the search begun anew without, as soon as anything differs; also where threads
-/// look into each other's stacks, are given random numbers, wait in loops that count, or reach a
-/// limit.
+/// look into each other's stacks, wait in loops that count, or reach a limit.
 #pragma once
 
 #include <cstdint>
