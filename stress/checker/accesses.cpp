@@ -59,6 +59,7 @@ unsigned sleeper_count(Value sleepers) {
 void Execution::record(const Event& event, std::size_t choice) {
   if (phase_ != Phase::parallel) return;
   walk_ = 0;
+  ++beats_;
   check_time();
   steps_.push_back(
       {event.thread, static_cast<std::uint8_t>(event.kind), static_cast<std::uint16_t>(choice)});
@@ -502,12 +503,14 @@ std::uint64_t Execution::tick() {
 }
 
 std::int64_t Execution::now() {
+  ++beats_;
   return phase_ != Phase::idle ? ++me().clock_reads * 1000 : 0;
 }
 
 std::uint64_t Execution::random() {
   // Splitmix64 (Steele, Lea and Flood 2014), for each thread from another place on, and the same in
   // every execution.
+  ++beats_;
   std::uint64_t x = (std::uint64_t{cores_.current()} << 32U) + ++me().draws;
   x *= 0x9E3779B97F4A7C15U;
   x = (x ^ x >> 30U) * 0xBF58476D1CE4E5B9U;

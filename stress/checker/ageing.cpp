@@ -69,6 +69,7 @@ void Execution::begin_aged() {
 }
 
 void Execution::note_unwatched() {
+  ++beats_;
   if (phase_ == Phase::ageing && ++walk_ > longest_call)
     give_up(fmt::format("a call while the queue is aged makes more than {} accesses to memory",
                         longest_call));

@@ -46,8 +46,10 @@ std::string trace_of(const Execution& execution) {
   return text;
 }
 
-/// Whether the same choices lead to the same execution, in a few samples; none by `deadline`.
-std::optional<bool> repeats(const Scenario& scenario, const Options& options, Deadline deadline) {
+/// Whether the same choices lead to the same execution, in a few samples; none if there was no time
+/// for that by `deadline`, and why, if anything but the deadline is to blame, is in `result`.
+std::optional<bool> repeats(const Scenario& scenario, const Options& options, Deadline deadline,
+                            Result& result) {
   const auto trace = [&](std::uint64_t seed) -> std::optional<std::string> {
     Execution execution(scenario, options.limits);
     execution.weaken(options.weakened);
@@ -56,11 +58,17 @@ std::optional<bool> repeats(const Scenario& scenario, const Options& options, De
       RandomWalk walk(seed, 0, 1);
       walk.begin();
       const Outcome outcome = execution.run(walk);
+      if (execution.incomplete_at() != nullptr) {
+        result.incomplete = execution.incomplete();
+        result.incomplete_at = execution.incomplete_at();
+        return std::nullopt;
+      }
       if (execution.out_of_time()) return std::nullopt;
       if (outcome != Outcome::restart) return trace_of(execution);
     }
   };
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  const Deadline enough(0.1);  // for executions that take long
+  for (std::uint64_t seed = 1; seed <= 3 && (seed == 1 || !enough.passed()); ++seed) {
     const auto first = trace(seed);
     const auto second = trace(seed);
     if (!first || !second) return std::nullopt;
@@ -132,6 +140,8 @@ Result explore(const Scenario& scenario, const Options& options, Execution& exec
       Outcome outcome = execution.run(*strategy);
       ++made;
       if (execution.out_of_time()) {
+        result.incomplete = execution.incomplete();
+        result.incomplete_at = execution.incomplete_at();
         result.seconds = elapsed();
         return result;
       }
@@ -151,6 +161,7 @@ Result explore(const Scenario& scenario, const Options& options, Execution& exec
         outcome = exchanged(*exchange, *strategy, outcome, result);
       result.assumed_waits = execution.assumed_waits();
       result.incomplete = execution.incomplete();
+      result.incomplete_at = execution.incomplete_at();
       if (execution.out_of_time()) {
         result.seconds = elapsed();
         return result;
@@ -183,7 +194,7 @@ Result check(const Scenario& scenario, const Options& options) {
   const Deadline deadline(options.seconds);
   Result result;
   if (systematic) {
-    const auto same = repeats(scenario, options, deadline);
+    const auto same = repeats(scenario, options, deadline, result);
     if (same && !*same) result.incomplete = executions_differ;
     if (!same || !*same) return result;
   }
@@ -199,7 +210,7 @@ Result check(const Scenario& scenario, const Options& options) {
   }
   if (scenario.histories) result.histories = scenario.histories();
   if (result.finding && repeat(scenario, options, result.schedule) == nullptr &&
-      repeats(scenario, options, {}) == false) {
+      repeats(scenario, options, {}, result) == false) {
     result.finding.reset();
     result.incomplete = executions_differ;
   }

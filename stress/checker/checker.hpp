@@ -84,6 +84,9 @@ struct Result {
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds
   /// A limit that was reached, for which the search shows less than everything; else empty.
   std::string incomplete{};
+  /// The place in the code that it speaks of, or the call in which time ran out; null if none.
+  const void* incomplete_at = nullptr;
+  std::string time_went{};  ///< into the call that computes here, if it was that: "queue.hpp:12"
   Exchanged exchanged{};
   std::string uneven{};  ///< why equal threads were not exchanged after all; empty if not tried
   /// Estimated part of the work that was done, from 0 to 1; 0 where nobody knows. The tree of

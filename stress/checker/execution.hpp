@@ -113,6 +113,8 @@ class Execution final : public virtual_cores::Tenant {
   /// Why the executions so far do not show everything, although the search came to its end: a limit
   /// that was reached. Empty if none was.
   [[nodiscard]] const std::string& incomplete() const { return incomplete_; }
+  /// The place in the code that it speaks of, or where the time went if it is empty; null if none.
+  [[nodiscard]] const void* incomplete_at() const { return incomplete_at_; }
   void note_incomplete(std::string why) {
     if (incomplete_.empty()) incomplete_ = std::move(why);
   }
@@ -213,6 +215,9 @@ class Execution final : public virtual_cores::Tenant {
   std::uint64_t random() override;
   unsigned finished(unsigned core) override;
   void on_failure(const std::string& what, const void* pc) override;
+  std::uint64_t beats() const override { return beats_; }
+  bool patient(double seconds) const override;
+  void spins(const void* pc, bool endless, double seconds) override;
 
  private:
   /// `endless`: one thread of `parallel` runs on by itself, to see whether it ever ends.
@@ -356,6 +361,8 @@ class Execution final : public virtual_cores::Tenant {
   Limits limits_;
   unsigned main_;
   virtual_cores::Cores cores_;
+  virtual_cores::SpinWatch spin_watch_{cores_};
+  std::uint64_t beats_ = 0;
   Graph graph_;
   Heap heap_;
   Strategy* strategy_ = nullptr;
@@ -372,6 +379,7 @@ class Execution final : public virtual_cores::Tenant {
   bool out_of_time_ = false;
   std::size_t assumed_waits_ = 0;
   std::string incomplete_;
+  const void* incomplete_at_ = nullptr;
   CycleWatch alone_;         ///< of the thread that runs alone
   std::uint64_t looks_ = 0;  ///< of that thread
   std::vector<std::pair<unsigned, const void*>> failed_at_;

@@ -168,6 +168,36 @@ void Execution::note_news(EventId from) {
   state.news_since = graph_.thread(cores_.current()).events.size();
 }
 
+// --- Code without events ----------------------------------------------------------------------
+
+namespace {
+
+constexpr double longest_computation = 5;
+
+}  // namespace
+
+bool Execution::patient(double seconds) const {
+  return seconds < longest_computation && !deadline_.passed();
+}
+
+void Execution::spins(const void* pc, bool endless, double seconds) {
+  if (endless) {
+    me().waiting = true;
+    me().wait_pc = pc;
+    report(FindingKind::livelock,
+           fmt::format("{} loops at {{0}} for ever: it looks at no memory but its stack, and that "
+                       "and its registers have come back to what they were",
+                       phase_ == Phase::parallel ? fmt::format("thread {}", cores_.current())
+                                                 : "the only thread"),
+           {pc});
+  }
+  constexpr double worth_a_word = 0.04;
+  if (incomplete_.empty() && seconds > worth_a_word) incomplete_at_ = pc;
+  out_of_time_ = deadline_.passed();
+  if (out_of_time_) stop(Outcome::cut);
+  give_up(fmt::format("{} s in one call without an event", longest_computation));
+}
+
 // --- Limits, and code that runs alone ---------------------------------------------------------
 
 void Execution::give_up(std::string why) {

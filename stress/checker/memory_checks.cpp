@@ -23,6 +23,7 @@ const char* verb(bool writes) {
 
 void Execution::check_touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                             const void* pc) {
+  ++beats_;
   if (++walk_ > long_walk) check_walk(address, size, writes, atomic, pc);
   // Only what threads do at the same time can race.
   const bool shared = phase_ == Phase::parallel;
@@ -148,14 +149,14 @@ void Execution::report_unusable(std::uintptr_t eight_bytes, bool writes, bool at
 }
 
 void Execution::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
-  if (!observed()) return note_unwatched();
   if (on_own_stack(address)) return;
+  if (!observed()) return note_unwatched();
   note(Look::Kind::read, address, size);
   check_touch(address, size, false, false, pc);
 }
 
 void Execution::plain_write(std::uintptr_t address, std::size_t size, const void* pc) {
-  if (!observed()) return;
+  if (!observed()) return void(++beats_);
   if (on_own_stack(address)) {
     // Frames come and go at one address, so stacks are not watched; but an atomic object that
     // was there ends with the next write to its place.
@@ -171,6 +172,7 @@ void Execution::plain_write(std::uintptr_t address, std::size_t size, const void
 }
 
 void* Execution::allocate(std::size_t size, std::size_t alignment, const void* pc) {
+  ++beats_;
   if (phase_ == Phase::ageing) return allocate_unwatched(size, alignment, pc);
   if (!observed()) return Tenant::allocate(size, alignment, pc);
   if (phase_ == Phase::endless) conclude_alone(false, pc);
@@ -197,6 +199,7 @@ void* Execution::allocate(std::size_t size, std::size_t alignment, const void* p
 }
 
 void Execution::release(void* pointer, const void* pc) {
+  ++beats_;
   const auto address = reinterpret_cast<std::uintptr_t>(pointer);
   if (!heap_.owns(address)) {
     // What was allocated when the code was loaded is there again in the next execution.

@@ -25,6 +25,7 @@ std::optional<FindingKind> found_alone(const QueueEntry& entry, virtual_cores::M
   };
   scenario.threads.emplace_back([] {});
   Options options;
+  options.seconds = 2;     // who waits is known for that much sooner
   options.executions = 8;  // more than one where the checker learns something and begins anew
   options.limits.races = false;
   options.limits.leaks = false;

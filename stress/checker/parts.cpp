@@ -24,7 +24,7 @@ namespace {
 constexpr std::uint64_t alone_first = 4096;
 constexpr double alone_seconds = 0.1;
 /// A part that makes no execution for so long after its time is up is hung.
-constexpr double patience = 120;
+constexpr double patience = 20;
 
 /// What the parts tell while they work, in memory that all share.
 struct Told {
@@ -245,7 +245,10 @@ class Parts {
             }))
           sum.order_sites.push_back(site);
       sum.histories.insert(sum.histories.end(), part.histories.begin(), part.histories.end());
-      if (sum.incomplete.empty()) sum.incomplete = part.incomplete;
+      if (sum.incomplete.empty() && (!part.incomplete.empty() || sum.incomplete_at == nullptr)) {
+        sum.incomplete = part.incomplete;
+        sum.incomplete_at = part.incomplete_at;
+      }
       sum.executions += part.executions;
       sum.complete += part.complete;
       sum.blocked += part.blocked;

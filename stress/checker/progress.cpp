@@ -38,6 +38,7 @@ ProgressResult check_progress(const Scenario& scenario, const Limits& limits, st
         Outcome outcome = execution.run(strategy);
         while (outcome == Outcome::restart) outcome = execution.run(strategy);
         result.incomplete = execution.incomplete();
+        result.incomplete_at = execution.incomplete_at();
         if (execution.out_of_time() || deadline.passed()) return result;
         ++result.executions;
         reached = reached || execution.froze();

@@ -19,6 +19,7 @@ struct ProgressResult {
   std::uint64_t executions = 0;
   bool finished = false;     ///< each thread was stopped before each of its steps
   std::string incomplete{};  ///< a limit that was reached, see Result
+  const void* incomplete_at = nullptr;
 };
 
 /// Stops each thread before each of its steps, with `schedules` random schedules for each, until

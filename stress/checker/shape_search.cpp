@@ -53,6 +53,16 @@ std::string_view name_of(Search search) {
   return "?";
 }
 
+void ShapeSearch::place(Result& result) {
+  if (result.incomplete_at == nullptr) return;
+  const std::string where = Symbols(module_).name(result.incomplete_at);
+  if (result.incomplete.empty())
+    result.time_went = where;
+  else
+    result.incomplete += " at " + where;
+  result.incomplete_at = nullptr;
+}
+
 bool ShapeSearch::is_new(const Finding& finding) {
   known_.push_back(finding);
   if (!settings_.reports) return true;
@@ -88,6 +98,7 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
     const Result before =
         std::exchange(shape.result, check_in_parts(client.scenario(), options, settings_.jobs));
     Result& result = shape.result;
+    place(result);
     result.executions += before.executions;
     result.complete += before.complete;
     result.blocked += before.blocked;
@@ -129,6 +140,8 @@ ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
   shape.result.seconds = std::chrono::duration<double>(Stopwatch::now() - start).count();
   shape.result.finished = stalls.finished;
   shape.result.incomplete = stalls.incomplete;
+  shape.result.incomplete_at = stalls.incomplete_at;
+  place(shape.result);
   shape.result.finding = stalls.finding;
   if (stalls.finding && !is_new(*stalls.finding) && settings_.keep_going) {
     shape.result.finding.reset();

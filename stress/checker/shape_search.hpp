@@ -40,6 +40,8 @@ class ShapeSearch {
 
  private:
   bool is_new(const Finding& finding);
+  /// Says in words where the limit was that `result` has reached.
+  void place(Result& result);
 
   const QueueEntry& entry_;
   virtual_cores::Module& module_;

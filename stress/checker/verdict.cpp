@@ -52,7 +52,9 @@ std::string sentences(std::string_view what,
 }
 
 std::string why_not(const ShapeResult& shape) {
-  return shape.result.incomplete.empty() ? "time" : shape.result.incomplete;
+  const Result& r = shape.result;
+  if (!r.incomplete.empty()) return r.incomplete;
+  return r.time_went.empty() ? "time" : "time, in one call without an event at " + r.time_went;
 }
 
 }  // namespace
@@ -85,6 +87,7 @@ void say(std::string_view shape, std::string_view search, const SearchProgress& 
 void say(const ShapeResult& s) {
   const Result& r = s.result;
   std::string verdict = "nothing found" + estimate(r.executions, r.explored);
+  if (!r.time_went.empty()) verdict += ", for " + why_not(s);
   if (r.finding)
     verdict = std::string(checker::name_of(r.finding->kind));
   else if (s.search == stalls_search)

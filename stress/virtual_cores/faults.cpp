@@ -13,15 +13,22 @@ namespace irt::virtual_cores {
 
 namespace {
 
-struct Code {
-  std::uintptr_t begin, end;
-};
-std::vector<Code>& code() {
-  static std::vector<Code> modules;
+std::vector<Range>& code() {
+  static std::vector<Range> modules;
   return modules;
+}
+std::vector<Range>& constants() {
+  static std::vector<Range> modules;
+  return modules;
+}
+bool is_in(const std::vector<Range>& ranges, Range bytes) {
+  return std::any_of(ranges.begin(), ranges.end(), [bytes](Range range) {
+    return bytes.begin >= range.begin && bytes.end <= range.end;
+  });
 }
 
 // The fault in hand; nothing else runs between its signal and its report.
+int fault_signal = 0;
 std::uintptr_t fault_address = 0;
 std::uintptr_t fault_pc = 0;
 
@@ -35,19 +42,6 @@ bool is_at(const Place& place, const siginfo_t& info) {
          address < place.address + place.size + 15;
 }
 
-[[noreturn]] void end_without_verdict(std::uintptr_t pc) {
-  Dl_info object{};
-  // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
-  const bool known = dladdr(reinterpret_cast<const void*>(pc), &object) != 0;
-  const auto base = known ? reinterpret_cast<std::uintptr_t>(object.dli_fbase) : 0;
-  fmt::print(stderr,
-             "irt: a crash in {} at {:#x}, outside of the code that is looked at: nothing is said "
-             "about that code. --shape, --seed or --strategy may lead past it; the line above is "
-             "what a report of it needs, with the command.\n",
-             known ? object.dli_fname : "unknown code", pc - base);
-  _exit(3);
-}
-
 // What is called instead of the instruction that failed. It needs a stack of its own, for that of
 // the core may be what ran out.
 alignas(16) std::array<char, 65536> report_stack;
@@ -55,16 +49,38 @@ alignas(16) std::array<char, 65536> report_stack;
 [[noreturn]] void report_fault() {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
   const auto* pc = reinterpret_cast<const void*>(fault_pc + 1);
-  active->failed(fmt::format("an access to memory that is not there ({:#x})", fault_address), pc);
+  switch (fault_signal) {
+    case SIGILL:
+      active->failed("an illegal instruction, as __builtin_trap() is one,", pc);
+    case SIGFPE:
+      active->failed("a division by zero, or with a result that does not fit,", pc);
+    case SIGTRAP:
+      active->failed("a breakpoint", pc);
+    default:
+      active->failed(fmt::format("an access to memory that is not there ({:#x})", fault_address),
+                     pc);
+  }
+}
+
+// Signals that no access to memory is at fault for.
+void on_trap(int signal, std::uintptr_t pc, ucontext_t& context) {
+  if (signal == SIGTRAP) --pc;  // a breakpoint is behind it by now
+  if (signal == SIGABRT || !is_code_of_a_module(pc)) end_without_verdict(pc, "a crash");
+  fault_signal = signal;
+  fault_pc = pc;
+  call_instead(context, &report_fault);
 }
 
 void on_fault(int signal, siginfo_t* info, void* raw_context) {
+  if (signal == SIGTRAP && info->si_code == TRAP_TRACE)
+    return single_step(*static_cast<ucontext_t*>(raw_context));
   if (current_core == host) {  // no core's fault: the instruction is repeated, and ends the process
     std::signal(signal, SIG_DFL);
     return;
   }
-  const auto pc = static_cast<std::uintptr_t>(
-      static_cast<ucontext_t*>(raw_context)->uc_mcontext.gregs[REG_RIP]);
+  auto& context = *static_cast<ucontext_t*>(raw_context);
+  const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
+  if (signal != SIGSEGV && signal != SIGBUS) return on_trap(signal, pc, context);
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
   const Place* const place = is_at(asked.last, *info)     ? &asked.last
                              : is_at(asked.before, *info) ? &asked.before
@@ -72,27 +88,64 @@ void on_fault(int signal, siginfo_t* info, void* raw_context) {
   // A jump to nowhere has its target for pc.
   const bool jumped = pc == address;
   if (!is_code_of_a_module(pc) && !jumped && place == nullptr && !is_near_a_stack(address))
-    end_without_verdict(pc);
-  auto& registers = static_cast<ucontext_t*>(raw_context)->uc_mcontext.gregs;
+    end_without_verdict(pc, "a crash");
+  fault_signal = signal;
   fault_address = address;
   fault_pc = is_code_of_a_module(pc) || place == nullptr
                  ? pc
                  : reinterpret_cast<std::uintptr_t>(place->pc) - 1;
-  registers[REG_RIP] = reinterpret_cast<greg_t>(&report_fault);
-  // Aligned as after a call.
-  registers[REG_RSP] = reinterpret_cast<greg_t>(report_stack.data() + report_stack.size() - 8);
+  call_instead(context, &report_fault);
 }
 
 }  // namespace
 
-void add_code(std::uintptr_t begin, std::uintptr_t end) {
-  code().push_back({begin, end});
+[[noreturn]] void end_without_verdict(std::uintptr_t pc, const char* what) {
+  Dl_info object{};
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
+  const bool known = dladdr(reinterpret_cast<const void*>(pc), &object) != 0;
+  const auto base = known ? reinterpret_cast<std::uintptr_t>(object.dli_fbase) : 0;
+  fmt::print(stderr,
+             "irt: {} in {} at {:#x}, outside of the code that is looked at: nothing is said "
+             "about that code. --shape, --seed or --strategy may lead past it; the line above is "
+             "what a report of it needs, with the command.\n",
+             what, known ? object.dli_fname : "unknown code", pc - base);
+  _exit(3);
+}
+
+void call_instead(ucontext_t& context, void (*function)()) {
+  auto& registers = context.uc_mcontext.gregs;
+  registers[REG_RIP] = reinterpret_cast<greg_t>(function);
+  // Aligned as after a call.
+  registers[REG_RSP] = reinterpret_cast<greg_t>(report_stack.data() + report_stack.size() - 8);
+}
+
+void add_code(Range range) {
+  code().push_back(range);
+}
+
+void add_constants(Range range) {
+  constants().push_back(range);
 }
 
 bool is_code_of_a_module(std::uintptr_t address) {
-  return std::any_of(code().begin(), code().end(), [address](const Code& module) {
-    return address >= module.begin && address < module.end;
-  });
+  return is_in(code(), {address, address + 1});
+}
+
+bool is_constant_of_a_module(Range bytes) {
+  return is_in(constants(), bytes);
+}
+
+bool is_of_the_host(std::uintptr_t pc) {
+  // NOLINTBEGIN(performance-no-int-to-ptr): code is known by its address here
+  const auto object_of = [](const void* address) {
+    Dl_info object{};
+    return dladdr(address, &object) != 0 ? object.dli_fbase : nullptr;
+  };
+  const void* const object = object_of(reinterpret_cast<const void*>(pc));
+  // The tenant's table of virtual functions stands where the tenant was compiled into.
+  return object == object_of(reinterpret_cast<const void*>(&add_code)) ||
+         object == object_of(*reinterpret_cast<void* const*>(active));
+  // NOLINTEND(performance-no-int-to-ptr)
 }
 
 FaultHandler::FaultHandler() {
@@ -103,13 +156,12 @@ FaultHandler::FaultHandler() {
   struct sigaction action {};
   action.sa_sigaction = on_fault;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
-  sigaction(SIGSEGV, &action, &segv_before_);
-  sigaction(SIGBUS, &action, &bus_before_);
+  sigaddset(&action.sa_mask, SIGPROF);  // which may ask for single steps
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &action, &before_[i]);
 }
 
 FaultHandler::~FaultHandler() {
-  sigaction(SIGSEGV, &segv_before_, nullptr);
-  sigaction(SIGBUS, &bus_before_, nullptr);
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
   sigaltstack(&stack_before_, nullptr);
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <csignal>
+#include <ucontext.h>
 
 #include "stress/virtual_cores/virtual_cores.hpp"
 
@@ -45,9 +46,20 @@ inline void announce_write(const volatile void* place, std::size_t size, const v
 /// Announces the write of `size` bytes from the tenant's random numbers, and makes it.
 void fill_randomly(void* to, std::size_t size, const void* pc);
 
-/// The machine code of the modules that are loaded: address of the first byte and behind the last.
-void add_code(std::uintptr_t begin, std::uintptr_t end);
+/// The machine code of the modules that are loaded, and what of them nobody can write to.
+void add_code(Range code);
+void add_constants(Range constants);
 bool is_code_of_a_module(std::uintptr_t address);
+bool is_constant_of_a_module(Range bytes);
+/// Whether `pc` is in the runtime, or in the program that uses it.
+bool is_of_the_host(std::uintptr_t pc);
+
+/// Ends the process with code 3: `what` ("a crash") happened outside of the modules.
+[[noreturn]] void end_without_verdict(std::uintptr_t pc, const char* what);
+/// Has the core that a signal has interrupted call `function` instead, on a stack of its own.
+void call_instead(ucontext_t& context, void (*function)());
+/// An instruction was made by itself.
+void single_step(ucontext_t& context);
 /// Whether `address` is on a core's stack, or on the guard below one.
 bool is_near_a_stack(std::uintptr_t address);
 
@@ -57,8 +69,8 @@ int& core_errno();
 /// Says that the next atomic operation is the runtime's own (hooks.cpp).
 void forget_registers();
 
-/// Wild pointers are findings too: while this lives, a fault in a core becomes a call of
-/// `Tenant::failed` (faults.cpp).
+/// Wild pointers, illegal instructions and divisions by zero are findings too: while this lives, a
+/// fault in a core becomes a call of `Tenant::failed` (faults.cpp).
 class FaultHandler {
  public:
   FaultHandler();
@@ -67,10 +79,11 @@ class FaultHandler {
   ~FaultHandler();
 
  private:
-  std::array<char, 16384> stack_{};
+  static constexpr std::array signals{SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGTRAP, SIGABRT};
+
+  std::array<char, 32768> stack_{};
   stack_t stack_before_{};
-  struct sigaction segv_before_ {};
-  struct sigaction bus_before_ {};
+  std::array<struct sigaction, signals.size()> before_{};
 };
 
 // thread_local, one block per core and module (thread_locals.cpp).

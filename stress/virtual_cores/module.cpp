@@ -28,13 +28,16 @@ int find_globals(dl_phdr_info* info, std::size_t, void* result) {
   for (unsigned i = 0; i < info->dlpi_phnum; ++i) {
     const ElfW(Phdr)& header = info->dlpi_phdr[i];
     const std::uintptr_t begin = offset + header.p_vaddr;
-    if (header.p_type == PT_LOAD && (header.p_flags & PF_X) != 0)
-      add_code(begin, begin + header.p_memsz);
+    const Range range{begin, begin + header.p_memsz};
+    if (header.p_type == PT_LOAD && (header.p_flags & PF_X) != 0) add_code(range);
+    if (header.p_type == PT_LOAD && (header.p_flags & PF_W) == 0) add_constants(range);
     if (header.p_type == PT_GNU_RELRO) read_only_end = (begin + header.p_memsz + 4095) & ~4095UL;
     if (header.p_type == PT_LOAD && (header.p_flags & PF_W) != 0)
       globals = {begin, begin + header.p_memsz};
   }
+  const std::uintptr_t loaded = globals.begin;
   globals.begin = std::min(std::max(globals.begin, read_only_end), globals.end);
+  if (globals.begin > loaded) add_constants({loaded, globals.begin});
   return 1;
 }
 

@@ -152,6 +152,15 @@ class Tenant {
   /// The code cannot go on: an uncaught exception, abort(), a failed assertion, an unsupported
   /// call. Must not return; the default prints `what` and exits the process.
   virtual void on_failure(const std::string& what, const void* pc);
+
+  // Code that only computes; asked and told where a SpinWatch lives, the first two at any moment.
+  /// A number that changes with whatever the core in progress does but compute.
+  virtual std::uint64_t beats() const;
+  /// Whether it may go on with that for more than `seconds` of the processor's time.
+  virtual bool patient(double seconds) const;
+  /// It may not, or it is certain that it never does anything else again (`endless`). Must not
+  /// return; the default is a failure.
+  virtual void spins(const void* pc, bool endless, double seconds);
   [[noreturn]] void failed(const std::string& what, const void* pc);
   /// The code asks for what virtual cores do not have, which is no fault of its own: says so and
   /// ends the process with code 2.
@@ -210,6 +219,21 @@ class Cores {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// Watches for code that runs on without an event, for which nobody else is ever asked: while this
+/// lives, the tenant hears of it by `spins`. Uses SIGPROF, SIGTRAP and their timer.
+class SpinWatch {
+ public:
+  explicit SpinWatch(const Cores& cores);
+  SpinWatch(const SpinWatch&) = delete;
+  SpinWatch& operator=(const SpinWatch&) = delete;
+  ~SpinWatch();
+
+  struct Search;
+
+ private:
+  std::unique_ptr<Search> search_;
 };
 
 /// Instrumented code in a shared object, with a symbol scope of its own.

@@ -4,6 +4,7 @@
 #include "tests/stress/cases/chase.hpp"
 #include "tests/stress/cases/dropped_list.hpp"
 #include "tests/stress/cases/dropped_ring.hpp"
+#include "tests/stress/cases/endless.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
 #include "tests/stress/cases/load_time.hpp"
@@ -16,6 +17,7 @@
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
 #include "tests/stress/cases/tagged_registry.hpp"
+#include "tests/stress/cases/traps.hpp"
 #include "tests/stress/cases/unpublished.hpp"
 #include "tests/stress/cases/waits_for_recycled.hpp"
 
@@ -56,6 +58,19 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::ManySc>("many-sc"),
     irt::queue_entry<irt::ManySteps>("many-steps"),
     irt::queue_entry<irt::FewSteps>("few-steps"),
+    irt::queue_entry<irt::EndlessWaitBug>("endless-wait-bug"),
+    irt::queue_entry<irt::EndlessPauseBug>("endless-pause-bug"),
+    irt::queue_entry<irt::EndlessYieldBug>("endless-yield-bug"),
+    irt::queue_entry<irt::EndlessCallBug>("endless-call-bug"),
+    irt::queue_entry<irt::EndlessRoundsBug>("endless-rounds-bug"),
+    irt::queue_entry<irt::EndlessCount>("endless-count"),
+    irt::queue_entry<irt::EndlessFixed>("endless-fixed"),
+    irt::queue_entry<irt::ComputesAWhile>("computes-a-while"),
+    irt::queue_entry<irt::ComputesLong>("computes-long"),
+    irt::queue_entry<irt::TrapsBug>("traps-bug"),
+    irt::queue_entry<irt::DividesBug>("divides-bug"),
+    irt::queue_entry<irt::BreaksBug>("breaks-bug"),
+    irt::queue_entry<irt::TrapsFixed>("traps-fixed"),
     irt::queue_entry<irt::Patient>("patient"),
     irt::queue_entry<irt::LoadTime>("load-time"),
     irt::queue_entry<irt::LoadTimeGrown>("load-time-grown"),

@@ -60,6 +60,17 @@ const std::vector<Case> cases{
     {"call-result-fixed", {}},
     {"sanitizer-macro-bug", {FindingKind::data_race}},
     {"list-queue", {}},
+    {"endless-wait-bug", {FindingKind::livelock}},
+    {"endless-pause-bug", {FindingKind::livelock}},
+    {"endless-yield-bug", {FindingKind::livelock}},
+    {"endless-call-bug", {FindingKind::livelock}},
+    {"endless-rounds-bug", {FindingKind::livelock}},
+    {"endless-fixed", {}},
+    {"computes-a-while", {}},
+    {"traps-bug", {FindingKind::failure}},
+    {"divides-bug", {FindingKind::failure}},
+    {"breaks-bug", {FindingKind::failure}},
+    {"traps-fixed", {}},
 };
 // clang-format on
 
@@ -74,10 +85,10 @@ class Cases : public testing::Test {
     throw std::invalid_argument("no such case");
   }
 
-  QueueResult check(std::string_view queue, double seconds) {
+  QueueResult check(std::string_view queue, double seconds, bool reports = false) {
     CheckSettings settings;
     settings.quiet = true;
-    settings.reports = false;
+    settings.reports = reports;
     settings.seconds = seconds;
     return check_queue(entry(queue), module_, settings, "");
   }
@@ -104,6 +115,24 @@ TEST_F(Cases, broken_ones_are_found_as_what_they_are) {
     const std::string found = finding_of(result, &kind);
     EXPECT_TRUE(result.found && std::find(c.right.begin(), c.right.end(), kind) != c.right.end())
         << c.queue << ": " << found;
+  }
+}
+
+TEST_F(Cases, faults_of_the_processor_have_a_line_and_columns) {
+  const std::pair<const char*, const char*> faults[] = {
+      {"traps-bug", "failure: an illegal instruction, as __builtin_trap() is one, at traps.hpp:"},
+      {"divides-bug",
+       "failure: a division by zero, or with a result that does not fit, at traps.hpp:"},
+      {"breaks-bug", "failure: a breakpoint at traps.hpp:"},
+      {"endless-wait-bug", " for ever: it looks at no memory but its stack"},
+      {"endless-yield-bug", " loops at endless.hpp:"},
+  };
+  for (const auto& [queue, words] : faults) {
+    const QueueResult result = check(queue, 60, true);
+    ASSERT_TRUE(result.found) << queue;
+    const std::string& report = result.shapes.back().report;
+    for (const char* part : {words, "\nthread 0 ", "replay: "})
+      EXPECT_NE(report.find(part), std::string::npos) << queue << ": " << report;
   }
 }
 

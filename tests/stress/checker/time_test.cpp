@@ -84,6 +84,29 @@ TEST_F(Time, does_not_grow_with_the_square_of_seq_cst_looks) {
   EXPECT_LT(used, 3);
 }
 
+// Whether 2^64 rounds of a counter end nobody can know: they are no fault, and no proof.
+TEST_F(Time, bounds_computation_that_may_have_no_end) {
+  for (const double seconds : {3.0, 12.0}) {
+    CheckSettings settings{.shapes = {"E|D"}, .seconds = seconds};
+    const QueueResult result = check("endless-count", settings);
+    EXPECT_LT(taken_, seconds + late);
+    EXPECT_FALSE(result.found);
+    for (const ShapeResult& shape : result.shapes) EXPECT_FALSE(shape.proved);
+    if (seconds < 10) continue;  // a busy machine may give it too little of that to say why
+    const std::string text = verdict("", result);
+    EXPECT_NE(text.find(" in one call without an event at endless.hpp:"), std::string::npos)
+        << text;
+  }
+}
+
+// An execution of it takes three seconds and more, and so does each of six that come before.
+TEST_F(Time, is_no_reason_to_accuse_what_computes_for_long) {
+  const QueueResult result = check("computes-long", {.shapes = {"E|D"}, .seconds = 12});
+  EXPECT_FALSE(result.found);
+  const std::string text = verdict("", result);
+  EXPECT_EQ(text.find("Proved: 1"), std::string::npos) << text;
+}
+
 TEST_F(Time, bounds_the_ageing_of_queues) {
   CheckSettings settings{.seconds = 3};
   settings.old = true;

@@ -1,0 +1,254 @@
+// Code that goes on without an event, looked at instruction by instruction.
+//
+// A timer of the processor's time interrupts the core now and then. If nothing has happened for a
+// while but computation, its next instructions are made one at a time (the processor's trap flag),
+// and its state is compared with an earlier one: Brent's cycle detection (1980) over registers,
+// vectors and stack. If the state comes back, and all instructions in between only computed
+// (pure.hpp), it will come back for ever. Whether anything else has no end is not asked.
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <sys/time.h>
+#include <ucontext.h>
+#include <vector>
+
+#include "stress/virtual_cores/internal.hpp"
+#include "stress/virtual_cores/pure.hpp"
+
+// Memory is known by its address here.
+// NOLINTBEGIN(performance-no-int-to-ptr)
+
+// What computing code may call: it changes nothing that anybody could look at.
+extern "C" {
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+void __tsan_func_entry(void*);
+void __tsan_func_exit();
+int irt_vc_sched_yield();
+void irt_vc_cpu_pause();
+int irt_vc_usleep(unsigned);
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+}
+
+namespace irt::virtual_cores {
+
+namespace {
+
+constexpr double tick_seconds = 0.01;
+constexpr std::uintptr_t red_zone = 128;
+constexpr greg_t trap_flag = 0x100, resume_flag = 0x10000;
+// Of FXSAVE's area: what is behind belongs to the kernel.
+constexpr std::size_t vector_bytes = 416;
+// A search takes that many, ten microseconds each at worst, and is made again after twice the time.
+constexpr unsigned fewest_instructions = 512, most_instructions = 8'192;
+// A thread that is to be stopped must come back to the code within so many instructions.
+constexpr unsigned longest_way_back = 100'000;
+
+template <class F>
+std::uintptr_t address_of_function(F* function) {
+  return reinterpret_cast<std::uintptr_t>(function);
+}
+
+bool is_neutral(std::uintptr_t entry) {
+  return entry == address_of_function(&__tsan_func_entry) ||
+         entry == address_of_function(&__tsan_func_exit) ||
+         entry == address_of_function(&irt_vc_sched_yield) ||
+         entry == address_of_function(&irt_vc_cpu_pause) ||
+         entry == address_of_function(&irt_vc_usleep);
+}
+
+/// All that computing code can tell two moments by.
+class State {
+ public:
+  explicit State(std::size_t stack_bytes) : stack_(stack_bytes + red_zone) {}
+
+  void take(const ucontext_t& context, std::uintptr_t stack_end) {
+    registers_ = registers_of(context);
+    std::memcpy(vectors_.data(), context.uc_mcontext.fpregs, vector_bytes);
+    const char* top = top_of(context);
+    std::memcpy(stack_.data(), top, reinterpret_cast<const char*>(stack_end) - top);
+  }
+  [[nodiscard]] bool is(const ucontext_t& context, std::uintptr_t stack_end) const {
+    if (registers_ != registers_of(context)) return false;
+    const char* top = top_of(context);
+    return std::memcmp(vectors_.data(), context.uc_mcontext.fpregs, vector_bytes) == 0 &&
+           std::memcmp(stack_.data(), top, reinterpret_cast<const char*>(stack_end) - top) == 0;
+  }
+
+ private:
+  using Registers = std::array<greg_t, REG_EFL + 1>;
+
+  static Registers registers_of(const ucontext_t& context) {
+    Registers result;
+    std::copy_n(context.uc_mcontext.gregs, result.size(), result.begin());
+    result[REG_EFL] &= ~(trap_flag | resume_flag);
+    return result;
+  }
+  static const char* top_of(const ucontext_t& context) {
+    return reinterpret_cast<const char*>(context.uc_mcontext.gregs[REG_RSP]) - red_zone;
+  }
+
+  Registers registers_{};
+  std::array<char, vector_bytes> vectors_{};
+  std::vector<char> stack_;
+};
+
+struct Report {
+  std::uintptr_t pc = 0;
+  bool endless = false;
+  double seconds = 0;
+} report;
+
+[[noreturn]] void report_spin() {
+  active->spins(reinterpret_cast<const void*>(report.pc + 1), report.endless, report.seconds);
+  std::abort();
+}
+
+}  // namespace
+
+struct SpinWatch::Search {
+  explicit Search(const Cores& c) : cores(c), mark(c.stack_bytes()) {}
+
+  const Cores& cores;
+  unsigned core = host;
+  std::uint64_t beats = 0;
+  double seconds = 0;         ///< without a beat
+  double next = 0;            ///< search then ...
+  unsigned instructions = 0;  ///< ... through so many
+  enum class Mode : char { off, searching, leaving } mode = Mode::off;
+  unsigned made = 0;
+  // Since the mark:
+  State mark;
+  unsigned since = 0;
+  unsigned power = 0;
+  bool pure = false;
+  std::uintptr_t place = 0;      ///< the first instruction of the ...
+  std::uintptr_t outermost = 0;  ///< ... frame that calls all others
+  bool inside = false;           ///< the last instruction was the code's own
+
+  static Search* running;
+  struct sigaction before {};
+
+  void forget() {
+    core = current_core;
+    beats = active->beats();
+    seconds = 0;
+    next = 2 * tick_seconds;
+    instructions = fewest_instructions;
+  }
+
+  void tick(ucontext_t& context) {
+    if (current_core != core || core == host || active->beats() != beats) return forget();
+    seconds += tick_seconds;
+    if (mode != Mode::off) {
+      // The code may have put back flags of before, as the stand-in for `pause` does.
+      context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
+      return;
+    }
+    const bool patient = active->patient(seconds);
+    if (patient && seconds < next) return;
+    mode = patient ? Mode::searching : Mode::leaving;
+    if (patient) {
+      next *= 2;
+      instructions = std::min(2 * instructions, most_instructions);
+    }
+    made = since = power = 0;
+    pure = inside = false;
+    context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
+  }
+
+  void end(ucontext_t& context) {
+    mode = Mode::off;
+    context.uc_mcontext.gregs[REG_EFL] &= ~trap_flag;
+  }
+
+  void conclude(ucontext_t& context, std::uintptr_t pc, bool endless) {
+    end(context);
+    report = {pc, endless, seconds};
+    call_instead(context, &report_spin);
+  }
+
+  void step(ucontext_t& context) {
+    if (current_core != core || active->beats() != beats) {
+      forget();
+      return end(context);
+    }
+    const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
+    const bool own = is_code_of_a_module(pc);
+    ++made;
+    if (mode == Mode::leaving) {
+      if (own) return conclude(context, pc, false);
+      if (made < longest_way_back) return;
+      // What the runtime or the tenant does there ends; what others do may not.
+      if (!is_of_the_host(pc)) end_without_verdict(pc, "a call that does not return");
+      return end(context);
+    }
+    if (!own && inside) pure = pure && is_neutral(pc);
+    inside = own;
+    if (own && look(context, pc)) return conclude(context, place, true);
+    ++since;
+    if (made == instructions) end(context);
+  }
+
+  /// True if the state is that of the mark, and nothing but computation lies between.
+  bool look(const ucontext_t& context, std::uintptr_t pc) {
+    const std::uintptr_t begin = cores.stack_of(core);
+    const Range stack{begin, begin + cores.stack_bytes()};
+    const auto top = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RSP]);
+    if (top < stack.begin + red_zone || top > stack.end) {
+      pure = false;
+      return false;
+    }
+    const bool again = power != 0 && mark.is(context, stack.end);
+    if (again && pure) return true;
+    if (again || since >= power) {
+      mark.take(context, stack.end);
+      power = std::max(2 * power, 1U);
+      since = 0;
+      pure = true;
+      place = outermost = 0;
+    }
+    if (top > outermost || (top == outermost && pc < place)) {
+      outermost = top;
+      place = pc;
+    }
+    pure = pure && only_computes(context, stack);
+    return false;
+  }
+
+  static void on_tick(int, siginfo_t*, void* context) {
+    running->tick(*static_cast<ucontext_t*>(context));
+  }
+};
+
+SpinWatch::Search* SpinWatch::Search::running = nullptr;
+
+void single_step(ucontext_t& context) {
+  SpinWatch::Search* const search = SpinWatch::Search::running;
+  if (search != nullptr && search->mode != SpinWatch::Search::Mode::off)
+    search->step(context);
+  else  // the code has put back flags of before
+    context.uc_mcontext.gregs[REG_EFL] &= ~trap_flag;
+}
+
+SpinWatch::SpinWatch(const Cores& cores) : search_(new Search(cores)) {
+  Search::running = search_.get();
+  struct sigaction action {};
+  action.sa_sigaction = Search::on_tick;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_RESTART;
+  sigaddset(&action.sa_mask, SIGTRAP);
+  sigaction(SIGPROF, &action, &search_->before);
+  constexpr timeval tick{0, static_cast<suseconds_t>(tick_seconds * 1e6)};
+  const itimerval timer{tick, tick};
+  setitimer(ITIMER_PROF, &timer, nullptr);
+}
+
+SpinWatch::~SpinWatch() {
+  const itimerval none{};
+  setitimer(ITIMER_PROF, &none, nullptr);
+  sigaction(SIGPROF, &search_->before, nullptr);
+  Search::running = nullptr;
+}
+
+}  // namespace irt::virtual_cores
+// NOLINTEND(performance-no-int-to-ptr)
