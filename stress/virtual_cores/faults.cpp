@@ -42,6 +42,19 @@ bool is_at(const Place& place, const siginfo_t& info) {
          address < place.address + place.size + 15;
 }
 
+[[noreturn]] void end_without_verdict(std::uintptr_t pc) {
+  Dl_info object{};
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
+  const bool known = dladdr(reinterpret_cast<const void*>(pc), &object) != 0;
+  const auto base = known ? reinterpret_cast<std::uintptr_t>(object.dli_fbase) : 0;
+  fmt::print(stderr,
+             "irt: a crash in {} at {:#x}, outside of the code that is looked at: nothing is said "
+             "about that code. --shape, --seed or --strategy may lead past it; the line above is "
+             "what a report of it needs, with the command.\n",
+             known ? object.dli_fname : "unknown code", pc - base);
+  _exit(3);
+}
+
 // What is called instead of the instruction that failed. It needs a stack of its own, for that of
 // the core may be what ran out.
 alignas(16) std::array<char, 65536> report_stack;
@@ -65,7 +78,7 @@ alignas(16) std::array<char, 65536> report_stack;
 // Signals that no access to memory is at fault for.
 void on_trap(int signal, std::uintptr_t pc, ucontext_t& context) {
   if (signal == SIGTRAP) --pc;  // a breakpoint is behind it by now
-  if (signal == SIGABRT || !is_code_of_a_module(pc)) end_without_verdict(pc, "a crash");
+  if (signal == SIGABRT || !is_code_of_a_module(pc)) end_without_verdict(pc);
   fault_signal = signal;
   fault_pc = pc;
   call_instead(context, &report_fault);
@@ -88,7 +101,7 @@ void on_fault(int signal, siginfo_t* info, void* raw_context) {
   // A jump to nowhere has its target for pc.
   const bool jumped = pc == address;
   if (!is_code_of_a_module(pc) && !jumped && place == nullptr && !is_near_a_stack(address))
-    end_without_verdict(pc, "a crash");
+    end_without_verdict(pc);
   fault_signal = signal;
   fault_address = address;
   fault_pc = is_code_of_a_module(pc) || place == nullptr
@@ -98,19 +111,6 @@ void on_fault(int signal, siginfo_t* info, void* raw_context) {
 }
 
 }  // namespace
-
-[[noreturn]] void end_without_verdict(std::uintptr_t pc, const char* what) {
-  Dl_info object{};
-  // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
-  const bool known = dladdr(reinterpret_cast<const void*>(pc), &object) != 0;
-  const auto base = known ? reinterpret_cast<std::uintptr_t>(object.dli_fbase) : 0;
-  fmt::print(stderr,
-             "irt: {} in {} at {:#x}, outside of the code that is looked at: nothing is said "
-             "about that code. --shape, --seed or --strategy may lead past it; the line above is "
-             "what a report of it needs, with the command.\n",
-             what, known ? object.dli_fname : "unknown code", pc - base);
-  _exit(3);
-}
 
 void call_instead(ucontext_t& context, void (*function)()) {
   auto& registers = context.uc_mcontext.gregs;
@@ -133,19 +133,6 @@ bool is_code_of_a_module(std::uintptr_t address) {
 
 bool is_constant_of_a_module(Range bytes) {
   return is_in(constants(), bytes);
-}
-
-bool is_of_the_host(std::uintptr_t pc) {
-  // NOLINTBEGIN(performance-no-int-to-ptr): code is known by its address here
-  const auto object_of = [](const void* address) {
-    Dl_info object{};
-    return dladdr(address, &object) != 0 ? object.dli_fbase : nullptr;
-  };
-  const void* const object = object_of(reinterpret_cast<const void*>(pc));
-  // The tenant's table of virtual functions stands where the tenant was compiled into.
-  return object == object_of(reinterpret_cast<const void*>(&add_code)) ||
-         object == object_of(*reinterpret_cast<void* const*>(active));
-  // NOLINTEND(performance-no-int-to-ptr)
 }
 
 FaultHandler::FaultHandler() {

@@ -51,11 +51,6 @@ void add_code(Range code);
 void add_constants(Range constants);
 bool is_code_of_a_module(std::uintptr_t address);
 bool is_constant_of_a_module(Range bytes);
-/// Whether `pc` is in the runtime, or in the program that uses it.
-bool is_of_the_host(std::uintptr_t pc);
-
-/// Ends the process with code 3: `what` ("a crash") happened outside of the modules.
-[[noreturn]] void end_without_verdict(std::uintptr_t pc, const char* what);
 /// Has the core that a signal has interrupted call `function` instead, on a stack of its own.
 void call_instead(ucontext_t& context, void (*function)());
 /// An instruction was made by itself.

@@ -41,8 +41,6 @@ constexpr greg_t trap_flag = 0x100, resume_flag = 0x10000;
 constexpr std::size_t vector_bytes = 416;
 // A search takes that many, ten microseconds each at worst, and is made again after twice the time.
 constexpr unsigned fewest_instructions = 512, most_instructions = 8'192;
-// A thread that is to be stopped must come back to the code within so many instructions.
-constexpr unsigned longest_way_back = 100'000;
 
 template <class F>
 std::uintptr_t address_of_function(F* function) {
@@ -115,7 +113,7 @@ struct SpinWatch::Search {
   double seconds = 0;         ///< without a beat
   double next = 0;            ///< search then ...
   unsigned instructions = 0;  ///< ... through so many
-  enum class Mode : char { off, searching, leaving } mode = Mode::off;
+  bool searching = false;
   unsigned made = 0;
   // Since the mark:
   State mark;
@@ -140,25 +138,25 @@ struct SpinWatch::Search {
   void tick(ucontext_t& context) {
     if (current_core != core || core == host || active->beats() != beats) return forget();
     seconds += tick_seconds;
-    if (mode != Mode::off) {
-      // The code may have put back flags of before, as the stand-in for `pause` does.
-      context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
+    if (!active->patient(seconds)) {
+      // The runtime and the tenant must not be left in the middle of what they do.
+      const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
+      if (is_code_of_a_module(pc)) conclude(context, pc, false);
       return;
     }
-    const bool patient = active->patient(seconds);
-    if (patient && seconds < next) return;
-    mode = patient ? Mode::searching : Mode::leaving;
-    if (patient) {
-      next *= 2;
-      instructions = std::min(2 * instructions, most_instructions);
-    }
+    // The code may have put back flags of before, as the stand-in for `pause` does.
+    if (searching) context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
+    if (searching || seconds < next) return;
+    searching = true;
+    next *= 2;
+    instructions = std::min(2 * instructions, most_instructions);
     made = since = power = 0;
     pure = inside = false;
     context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
   }
 
   void end(ucontext_t& context) {
-    mode = Mode::off;
+    searching = false;
     context.uc_mcontext.gregs[REG_EFL] &= ~trap_flag;
   }
 
@@ -176,13 +174,6 @@ struct SpinWatch::Search {
     const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
     const bool own = is_code_of_a_module(pc);
     ++made;
-    if (mode == Mode::leaving) {
-      if (own) return conclude(context, pc, false);
-      if (made < longest_way_back) return;
-      // What the runtime or the tenant does there ends; what others do may not.
-      if (!is_of_the_host(pc)) end_without_verdict(pc, "a call that does not return");
-      return end(context);
-    }
     if (!own && inside) pure = pure && is_neutral(pc);
     inside = own;
     if (own && look(context, pc)) return conclude(context, place, true);
@@ -225,7 +216,7 @@ SpinWatch::Search* SpinWatch::Search::running = nullptr;
 
 void single_step(ucontext_t& context) {
   SpinWatch::Search* const search = SpinWatch::Search::running;
-  if (search != nullptr && search->mode != SpinWatch::Search::Mode::off)
+  if (search != nullptr && search->searching)
     search->step(context);
   else  // the code has put back flags of before
     context.uc_mcontext.gregs[REG_EFL] &= ~trap_flag;
