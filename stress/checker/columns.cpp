@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "stress/checker/fold.hpp"
@@ -12,6 +13,25 @@
 namespace irt::checker {
 
 namespace {
+
+/// What a terminal shows at least, and up to how many threads have columns there. Of more, each
+/// line begins with its thread.
+constexpr std::size_t page = 120;
+constexpr unsigned most_columns = 3;
+
+/// `text` in lines of at most `room` characters; those after the first are indented further.
+std::vector<std::string> wrapped(std::string text, std::size_t room) {
+  std::vector<std::string> lines;
+  const std::string indent(std::min(text.find_first_not_of(' '), room / 4) + 4, ' ');
+  while (text.size() > room) {
+    const std::size_t space = text.rfind(' ', room);
+    const bool fits = space != std::string::npos && space > indent.size();
+    lines.push_back(text.substr(0, fits ? space : room));
+    text = indent + text.substr(fits ? space + 1 : room);
+  }
+  lines.push_back(text);
+  return lines;
+}
 
 /// Threads that touch each location, as bits.
 std::vector<std::uint32_t> users(const Execution& execution) {
@@ -34,9 +54,7 @@ class Columns {
         symbols_(symbols),
         values_(execution.heap()),
         threads_(execution.threads()),
-        width_(threads_ <= 2   ? 60
-               : threads_ == 3 ? 46
-                               : 36),
+        width_(threads_ <= most_columns ? page / std::max(threads_, 2U) : page),
         users_(users(execution)),
         shown_(execution.finding() ? execution.finding()->moments.size() : 0) {
     std::vector<const void*> pcs;
@@ -54,6 +72,7 @@ class Columns {
     for (EventId id = 0; id < graph_.size(); ++id) {
       const Event& event = graph_.event(id);
       if (event.kind == EventKind::initial || event.thread >= threads_) continue;
+      show_payloads(event);
       if (event.index == 1) show_moments(event.thread, 0, &event);
       begin_calls(event.thread);
       show(id);
@@ -102,8 +121,23 @@ class Columns {
                                            : std::string(push ? "full" : "empty")));
       if (!execution_.finding() || execution_.finding()->kind != FindingKind::wrong_outcome)
         continue;
+      const bool refused = push && !o.answered && !o.no_memory;
+      if (refused && execution_.finding()->text.find(refusal(o)) == std::string::npos) continue;
       if (const std::string why = contradiction(o, operations_); !why.empty())
         line(thread, "      ^ " + why);
+    }
+  }
+
+  // What the scenario did itself before `event`, which has no line in the code.
+  void show_payloads(const Event& event) {
+    if (!execution_.finding()) return;
+    const std::vector<Moment>& moments = execution_.finding()->moments;
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+      const Moment& m = moments[i];
+      if (shown_[i] || m.pc != nullptr || m.thread != event.thread || m.after + 1 != event.index)
+        continue;
+      shown_[i] = true;
+      show(m);
     }
   }
 
@@ -114,7 +148,7 @@ class Columns {
     const std::vector<Moment>& moments = execution_.finding()->moments;
     for (std::size_t i = 0; i < moments.size(); ++i) {
       const Moment& m = moments[i];
-      if (shown_[i] || m.thread != thread || m.after != after) continue;
+      if (shown_[i] || m.pc == nullptr || m.thread != thread || m.after != after) continue;
       if (next != nullptr && next->pc == m.pc && m.what.starts_with("atomic")) continue;
       shown_[i] = true;
       begin_calls(thread);
@@ -123,12 +157,10 @@ class Columns {
   }
 
   void show(const Moment& m) {
-    const Line& source = symbols_.at(m.pc);
-    const std::string place = place_of(m.pc);
-    const std::size_t room = width_ - 6 - std::min<std::size_t>(20, m.what.size() + place.size());
-    const std::string text =
-        source.text.size() > room ? source.text.substr(0, room - 1) + "~" : source.text;
-    line(m.thread, fmt::format("  {}{}  {}", place, text, m.what));
+    if (m.pc == nullptr)
+      line(m.thread, m.what);
+    else
+      line(m.thread, fmt::format("  {}{}  {}", place_of(m.pc), symbols_.at(m.pc).text, m.what));
     if (!m.note.empty()) line(m.thread, "      ^ " + with_places(m.note));
   }
 
@@ -174,7 +206,7 @@ class Columns {
     const bool alone = touches && (users_[event.location] & (users_[event.location] - 1)) == 0;
     if (alone && note.empty()) return;
     const std::string place = "  " + place_of(event.pc);
-    line(event.thread, place + describe(event, symbols_, values_, width_ - 2 - place.size()),
+    line(event.thread, place + describe(event, symbols_, values_, page - place.size()),
          fmt::format("{} {} {}", fmt::ptr(event.pc), static_cast<int>(event.kind), event.failed));
     if (!note.empty()) line(event.thread, "      ^ " + note);
     const std::size_t choice =
@@ -203,6 +235,15 @@ class Columns {
     std::string text;
     if (!file_.empty())
       text += fmt::format("Numbers are lines of {}.\n\n", file_.substr(file_.rfind('/') + 1));
+    text += threads_ <= most_columns ? in_columns() : in_lines();
+    text += last_;
+    if (const std::string legend = values_.legend(threads_, symbols_); !legend.empty())
+      text += "\nBlocks of the heap:\n" + legend;
+    return text;
+  }
+
+  [[nodiscard]] std::string in_columns() const {
+    std::string text;
     const auto row = [&](auto cell) {
       for (unsigned thread = 0; thread < threads_; ++thread)
         text += thread + 1 < threads_ ? fmt::format("{:<{}}", cell(thread), width_) : cell(thread);
@@ -210,10 +251,24 @@ class Columns {
     };
     row([](unsigned thread) { return fmt::format("thread {}", thread); });
     row([this](unsigned) { return std::string(width_ - 2, '-'); });
-    for (const Row& r : fold(rows_)) text += std::string(r.thread * width_, ' ') + r.text + "\n";
-    text += last_;
-    if (const std::string legend = values_.legend(threads_, symbols_); !legend.empty())
-      text += "\nBlocks of the heap:\n" + legend;
+    for (const Row& r : fold(rows_))
+      for (const std::string& part : wrapped(r.text, width_ - 2))
+        text += std::string(r.thread * width_, ' ') + part + "\n";
+    return text;
+  }
+
+  [[nodiscard]] std::string in_lines() const {
+    std::string text;
+    std::optional<unsigned> last;
+    for (const Row& r : fold(rows_)) {
+      const std::string name = last == r.thread ? "" : fmt::format("thread {}", r.thread);
+      last = r.thread;
+      std::string head = fmt::format("{:<9} | ", name);
+      for (const std::string& part : wrapped(r.text, page - head.size())) {
+        text += head + part + "\n";
+        head = fmt::format("{:<9} | ", "");
+      }
+    }
     return text;
   }
 

@@ -121,8 +121,7 @@ class Sentence {
   }
 
   [[nodiscard]] std::string refused(const Operation& push) const {
-    const std::string text =
-        who(push) + " (of " + std::to_string(push.value) + ") answered \"full\"";
+    const std::string text = who(push) + " " + refusal(push);
     if (!specification_.claims().bounded) return text + ", and the queue claims no bound";
     const std::string places = std::to_string(specification_.capacity());
     if (specification_.full() == Answer::exact)
@@ -154,6 +153,10 @@ class Sentence {
 };
 
 }  // namespace
+
+std::string refusal(const Operation& push) {
+  return "(of " + std::to_string(push.value) + ") answered \"full\"";
+}
 
 bool precedes(const Operation& a, const Operation& b) {
   if (a.phase != b.phase) return a.phase < b.phase;

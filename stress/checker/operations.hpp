@@ -43,6 +43,9 @@ bool precedes(const Operation& a, const Operation& b);
 /// "push 3 -> full", "pop -> 3", "pop -> empty".
 std::string to_string(const Operation& operation);
 
+/// How the judge's sentence names a push that was told "full" wrongly.
+std::string refusal(const Operation& push);
+
 struct Opinion {
   std::optional<std::string> wrong;  ///< one sentence; none: as claimed
   bool decided = true;               ///< false: too many orders to try; that proves nothing

@@ -185,6 +185,15 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   return true;
 }
 
+std::vector<Moment> QueueClient::payload_moments(const Operation& push, const Operation& pop) {
+  const std::string what = "what " + std::to_string(push.value) + " points to";
+  const auto now = Execution::current_execution()->clock_of(pop.thread).count[pop.thread];
+  return {{push.thread, push.called.count[push.thread], nullptr, "writes " + what,
+           "races with the read of it by thread " + std::to_string(pop.thread)},
+          {pop.thread, now, nullptr, "reads " + what,
+           "races with the write of it by thread " + std::to_string(push.thread)}};
+}
+
 // What an element points to is plain memory that nothing else touches: it was written when the
 // thread had made the events that the push was called after, and is read now. So there is a race
 // exactly if the push's first event does not happen before here, and no memory is needed to tell.
@@ -203,7 +212,7 @@ void QueueClient::take_payload(const Operation& pop) const {
                        std::to_string(pop.thread) +
                        " read after the pop that returned it: the queue does not publish its "
                        "elements",
-                   {});
+                   {}, payload_moments(*push, pop));
 }
 
 std::size_t QueueClient::call(Operation::Kind kind, unsigned thread, unsigned worker) {

@@ -53,19 +53,28 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
 
 std::string contradiction(const Operation& answer, const std::vector<Operation>& operations) {
   using Kind = Operation::Kind;
-  if (answer.kind != Kind::pop || !answer.finished || answer.answered || answer.no_memory)
-    return "";
-  for (const Operation& push : operations) {
-    if (push.kind != Kind::push || !push.finished || !push.answered || !precedes(push, answer))
-      continue;
-    const bool taken = std::any_of(operations.begin(), operations.end(), [&](const Operation& o) {
+  if (!answer.finished || answer.answered || answer.no_memory) return "";
+  const auto left_by = [&](const Operation& push, auto when) {
+    return std::any_of(operations.begin(), operations.end(), [&](const Operation& o) {
       return o.kind == Kind::pop && (!o.finished || (o.answered && o.value == push.value)) &&
-             !precedes(answer, o);
+             when(o);
     });
-    if (!taken)
+  };
+  std::vector<std::uint64_t> inside;
+  for (const Operation& push : operations) {
+    if (push.kind != Kind::push || !push.finished || !push.answered) continue;
+    if (answer.kind == Kind::push) {
+      if (!precedes(answer, push) &&
+          !left_by(push, [&](const Operation& o) { return precedes(o, answer); }))
+        inside.push_back(push.value);
+    } else if (precedes(push, answer) &&
+               !left_by(push, [&](const Operation& o) { return !precedes(answer, o); })) {
       return fmt::format("push {} happens before it, and nobody had taken that", push.value);
+    }
   }
-  return "";
+  if (answer.kind == Kind::pop) return "";
+  if (inside.empty()) return "nothing can have been inside";
+  return fmt::format("inside was at most: {}", fmt::join(inside, ", "));
 }
 
 std::string standings(const Execution& execution, Symbols& symbols) {
@@ -105,7 +114,7 @@ std::string standings(const Execution& execution, Symbols& symbols) {
   return text;
 }
 
-std::string history(const std::vector<Operation>& operations) {
+std::string history(const std::vector<Operation>& operations, std::string_view wrong) {
   std::string text;
   std::size_t last = 1;
   for (const Operation& o : operations) last = std::max({last, o.first_step, o.last_step});
@@ -124,6 +133,9 @@ std::string history(const std::vector<Operation>& operations) {
                                                            : "";
     text += fmt::format("  {:<9} {:<18} {}\n",
                         *who != '\0' ? who : fmt::format("thread {}", o.thread), to_string(o), bar);
+    if (o.phase != Operation::Phase::during && o.kind == Operation::Kind::push && !o.answered &&
+        wrong.find(refusal(o)) != std::string_view::npos)
+      text += fmt::format("            ^ {}\n", contradiction(o, operations));
   }
   return text;
 }
@@ -134,7 +146,9 @@ std::string picture(const Execution& execution, const std::vector<Operation>& op
   const FindingKind kind = execution.finding() ? execution.finding()->kind : FindingKind::failure;
   if (execution.freezes() || kind == FindingKind::deadlock || kind == FindingKind::livelock)
     text += standings(execution, symbols) + "\n";
-  return text + history(operations);
+  return text + history(operations, kind == FindingKind::wrong_outcome
+                                        ? std::string_view(execution.finding()->text)
+                                        : "");
 }
 
 std::string dot(const Execution& execution, Symbols& symbols) {

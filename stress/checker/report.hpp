@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "stress/checker/checker.hpp"
 #include "stress/checker/operations.hpp"
@@ -18,16 +19,18 @@ std::string sentence(const Finding& finding, Symbols& symbols);
 std::string columns(const Execution& execution, const std::vector<Operation>& operations,
                     Symbols& symbols);
 
-/// Why a pop's answer "empty" cannot be one of a FIFO queue, if one element shows it: "push 101
-/// happens before it, and nobody had taken that". Empty if none does, or if it is another answer.
+/// Why an answer "empty" cannot be one of a FIFO queue, if one element shows it: "push 101 happens
+/// before it, and nobody had taken that", else empty. Of an answer "full" what can have been inside
+/// at most. Empty for other answers.
 std::string contradiction(const Operation& answer, const std::vector<Operation>& operations);
 
 /// Where each thread stands at the end of an execution that does not go on, and what it last saw.
 std::string standings(const Execution& execution, Symbols& symbols);
 
 /// The operations as lines with their intervals to scale: the scale is steps of this execution,
-/// and only happens-before says what came first.
-std::string history(const std::vector<Operation>& operations);
+/// and only happens-before says what came first. A "full" outside of the columns that `wrong`, the
+/// judge's sentence, speaks of is marked.
+std::string history(const std::vector<Operation>& operations, std::string_view wrong);
 
 /// All three, the second where threads do not go on.
 std::string picture(const Execution& execution, const std::vector<Operation>& operations,

@@ -3,6 +3,7 @@
 // are rows beside it.
 
 #include <gtest/gtest.h>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -133,6 +134,28 @@ TEST_F(Cases, faults_of_the_processor_have_a_line_and_columns) {
     const std::string& report = result.shapes.back().report;
     for (const char* part : {words, "\nthread 0 ", "replay: "})
       EXPECT_NE(report.find(part), std::string::npos) << queue << ": " << report;
+  }
+}
+
+TEST_F(Cases, what_was_wrong_is_in_the_columns_which_a_terminal_can_show) {
+  const std::pair<const char*, std::vector<const char*>> broken[] = {
+      {"one-short-bug", {"-> full", "^ nothing can have been inside"}},
+      {"unpublished-bug",
+       {"writes what 101 points to", "^ races with the read of it by thread", "push 101",
+        "reads what 101 points to", "^ races with the write of it by thread"}},
+  };
+  for (const auto& [queue, parts] : broken) {
+    const QueueResult result = check(queue, 60, true);
+    ASSERT_TRUE(result.found) << queue;
+    const std::string& report = result.shapes.back().report;
+    std::size_t at = report.find("\nthread 0");
+    ASSERT_NE(at, std::string::npos) << report;
+    std::istringstream columns(report.substr(at + 1, report.find("\nreplay: ") - at));
+    for (std::string line; std::getline(columns, line);) EXPECT_LE(line.size(), 120U) << line;
+    for (const char* part : parts) {
+      at = report.find(part, at);
+      ASSERT_NE(at, std::string::npos) << "missing: " << part << "\n" << report;
+    }
   }
 }
 
