@@ -13,12 +13,16 @@
 
 namespace irt::stress {
 
-/// The complement of what a queue with these claims may be given; its own inverse.
+/// The complement of what a queue with these claims may be given; its own inverse. `close_word`,
+/// which queues whose pop waits are given, stays what it is, and so nothing becomes it.
 class Complement {
  public:
   explicit Complement(const Claims& claims) : used_(~claims.unused_bits) {}
 
-  [[nodiscard]] Element operator()(Element e) const { return e ^ used_; }
+  [[nodiscard]] Element operator()(Element e) const {
+    const Element complement = e ^ used_;
+    return e == close_word || complement == close_word ? e : complement;
+  }
 
   /// What a queue that claims `claims` promises to whoever sees it through the complement; none if
   /// that cannot be said.

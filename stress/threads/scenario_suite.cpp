@@ -132,8 +132,7 @@ class ScenarioRunner {
     age_ = round_age(mix_seed(seed, 102));
     claims_ = assignment_.queue.claims;
     complemented_ = false;
-    // Commands, which queues whose pop waits are given, have no complement.
-    if (scenario_.drains && mix_seed(seed, 103) % 8 == 0) {
+    if (mix_seed(seed, 103) % 8 == 0) {
       if (const auto seen = Complement(claims_).seen(claims_)) {
         claims_ = *seen;
         complemented_ = true;

@@ -88,6 +88,9 @@ TEST(ClaimsOnThreads, ComplementsAreTheirOwnInverseAndKeepWhatIsClaimed) {
     EXPECT_EQ(complement(complement(e)), e);
     EXPECT_EQ(seen.allows(e), claims.allows(complement(e))) << e;
   }
+  const Complement whole(Claims{});
+  EXPECT_EQ(whole(close_word), close_word);
+  EXPECT_EQ(whole(element(0, 1)), element(0, 1));  // would close
   claims = {.all_ones_reserved = true};
   EXPECT_FALSE(Complement(claims).seen(claims)->allows(0));
   claims.reserved = {1, 2, 3, 4};
