@@ -41,8 +41,8 @@ struct Scenario {
   /// What tells the outcomes that the judge was asked about from each other, a number for each; may
   /// be empty.
   std::function<std::vector<std::uint64_t>()> histories{};
-  /// The number of the outcome that the judge was asked about last; equal threads of a scenario with
-  /// a judge are not exchanged without it.
+  /// The number of the outcome that the judge was asked about last; equal threads of a scenario
+  /// with a judge are not exchanged without it.
   std::function<std::uint64_t()> outcome{};
   virtual_cores::Module* module = nullptr;  ///< its globals start afresh each time
   /// By thread: those of one number seem to do the same; empty: none do. See exchange.hpp.

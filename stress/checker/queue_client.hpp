@@ -73,8 +73,8 @@ class QueueClient {
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far
   std::unordered_map<std::string, bool> judged_;
   std::uint64_t outcome_ = 0;  ///< the hash of the one judged last
-  unsigned pusher_ = 0;  ///< the worker that pushes before and after the threads
-  unsigned popper_ = 0;  ///< and the one that pops
+  unsigned pusher_ = 0;        ///< the worker that pushes before and after the threads
+  unsigned popper_ = 0;        ///< and the one that pops
 };
 
 }  // namespace irt::checker

@@ -1,11 +1,11 @@
 /// Whether memory grows for ever: what is held when next to nothing is inside, over a long run.
 ///
-/// Reclaimers free in batches and caches fill up, so a slope means nothing by itself: memory that is
-/// given back once in P pushes grows with every push until then. Two things tell a leak. What is
-/// held at least, between one doubling of the pushes and the next, keeps its slope: a batch that was
-/// given back meanwhile, a cache that is full and a highest mark that is topped more and more seldom
-/// (by a logarithm, or by a root) do not. And that goes on for longer than a batch or a cache can
-/// explain: `enough_pushes`, or `enough_bytes`. Before that nobody can know.
+/// Reclaimers free in batches and caches fill up, so a slope means nothing by itself: memory that
+/// is given back once in P pushes grows with every push until then. Two things tell a leak. What is
+/// held at least, between one doubling of the pushes and the next, keeps its slope: a batch that
+/// was given back meanwhile, a cache that is full and a highest mark that is topped more and more
+/// seldom (by a logarithm, or by a root) do not. And that goes on for longer than a batch or a
+/// cache can explain: `enough_pushes`, or `enough_bytes`. Before that nobody can know.
 #pragma once
 
 #include <array>

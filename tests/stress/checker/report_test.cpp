@@ -100,10 +100,9 @@ TEST_F(Report, shows_the_first_and_the_last_round_where_values_differ) {
 }
 
 TEST_F(Report, marks_a_store_that_comes_earlier_in_modification_order) {
-  expect_in_order(
-      of("modification order"),
-      {"store relaxed <- ", "^ placed before the store at report_probe.cpp:# by",
-       "in modification order"});
+  expect_in_order(of("modification order"),
+                  {"store relaxed <- ", "^ placed before the store at report_probe.cpp:# by",
+                   "in modification order"});
 }
 
 TEST_F(Report, shows_both_accesses_of_a_race_where_they_were_made) {
