@@ -16,7 +16,7 @@ std::vector<stress::Mutant> mutants_of(virtual_cores::Module& module);
 
 /// The shapes that a mutant and its twin are tried with. None, for most: they get what every queue
 /// gets.
-std::vector<std::string> shapes_for(const stress::Mutant& mutant);
+std::vector<std::string> shapes_for(const stress::Mutant& mutant, std::optional<Search> search);
 
 /// What came out of trying one queue.
 struct Trial {

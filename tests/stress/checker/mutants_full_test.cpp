@@ -20,7 +20,7 @@ class AllMutants : public testing::Test {
     for (const stress::Mutant& mutant : mutants_of(module_)) {
       if (search == Search::random && mutant.id == beyond_random) continue;
       const Trial trial =
-          try_queue(mutant.queue, shapes_for(mutant), module_, search, seed, most_seconds);
+          try_queue(mutant.queue, shapes_for(mutant, search), module_, search, seed, most_seconds);
       EXPECT_TRUE(trial.found) << mutant.id << " with seed " << seed;
     }
   }
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Mutants, Sampled,
 TEST_F(AllMutants, have_twins_that_pass) {
   for (const stress::Mutant& mutant : mutants_of(module_)) {
     const Trial trial =
-        try_queue(mutant.twin, shapes_for(mutant), module_, {}, 1, most_seconds / 2);
+        try_queue(mutant.twin, shapes_for(mutant, {}), module_, {}, 1, most_seconds / 2);
     EXPECT_FALSE(trial.found) << mutant.id << ": " << name_of(*trial.found) << " on "
                               << trial.shape;
   }

@@ -14,7 +14,7 @@ namespace {
 class Mutants : public testing::Test {
  protected:
   Trial check(const QueueEntry& queue, const stress::Mutant& mutant, double seconds) {
-    return try_queue(queue, shapes_for(mutant), module_, {}, 1, seconds);
+    return try_queue(queue, shapes_for(mutant, {}), module_, {}, 1, seconds);
   }
 
   virtual_cores::Module module_{IRT_MUTANTS_MODULE};
@@ -31,8 +31,8 @@ TEST_F(Mutants, of_each_family_one_is_found_by_default_settings) {
 
 TEST_F(Mutants, no_twin_is_accused) {
   for (const stress::Mutant& mutant : mutants_of(module_)) {
-    const Trial trial =
-        try_queue(mutant.twin, shapes_for(mutant), module_, Search::exhaustive, 1, 0.1);
+    const Trial trial = try_queue(mutant.twin, shapes_for(mutant, Search::exhaustive), module_,
+                                  Search::exhaustive, 1, 0.1);
     EXPECT_FALSE(trial.found) << mutant.id << ": " << name_of(*trial.found) << " on "
                               << trial.shape;
     EXPECT_GT(trial.executions, 0U);
