@@ -53,6 +53,7 @@ class MoodycamelTokenQueue {
   static constexpr Claims claims{.ordering = Ordering::per_producer_fifo,
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
+                                 .empty = Answer::this_worker,
                                  .reclamation = Reclamation::free_list};
 
   MoodycamelTokenQueue(unsigned workers, std::size_t capacity) : queue_(capacity) {
