@@ -1,6 +1,7 @@
-/// A list with a dummy node that is right as long as it is empty when it is destroyed. With
+/// A list behind a sentinel that is right as long as it is empty when it is destroyed. With
 /// elements inside its destructors use a node after they freed it (as ConcurrencyFreaks'
-/// CRTurnQueue does, `ae40ca8`: the sentinel goes first), lose the nodes, or free the dummy twice.
+/// CRTurnQueue does, `ae40ca8`: the sentinel goes first), lose the nodes, or free the sentinel
+/// twice.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +28,7 @@ class DroppedList_ {
 
   ~DroppedList_() {
     T task{};
-    Node* const dummy = head_;
+    Node* const first = head_;
     switch (how) {
       case DroppedBy::right:
         while (head_ != nullptr) delete std::exchange(head_, head_->next);
@@ -44,7 +45,7 @@ class DroppedList_ {
       case DroppedBy::frees_twice:
         while (pop(0, task)) {
         }
-        delete dummy;
+        delete first;
         break;
     }
   }
