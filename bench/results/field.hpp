@@ -52,57 +52,41 @@ struct Field {
   std::string_view added{};        ///< a second field that is added in plots
 
   constexpr Field at(Place where) const {
-    Field changed = *this;
-    changed.place = where;
-    return changed;
+    return with([=](Field& f) { f.place = where; });
   }
   constexpr Field over() const {
-    Field changed = *this;
-    changed.sweeps = true;
-    return changed;
+    return with([](Field& f) { f.sweeps = true; });
   }
   constexpr Field following() const {
-    Field changed = *this;
-    changed.follows = true;
-    return changed;
+    return with([](Field& f) { f.follows = true; });
   }
   constexpr Field apart(std::string_view name) const {
-    Field changed = *this;
-    changed.tells_apart = true;
-    changed.title = name;
-    return changed;
+    return with([=](Field& f) { f.tells_apart = true, f.title = name; });
   }
   constexpr Field column(std::string_view name) const {
-    Field changed = *this;
-    changed.heading = name;
-    return changed;
+    return with([=](Field& f) { f.heading = name; });
   }
   constexpr Field plot(std::string_view name, std::string_view in = {}) const {
-    Field changed = *this;
-    changed.plotted = true;
-    changed.title = name;
-    changed.unit = in;
-    return changed;
+    return with([=](Field& f) { f.plotted = true, f.title = name, f.unit = in; });
   }
   constexpr Field unless_zero() const {
-    Field changed = *this;
-    changed.skip_zeros = true;
-    return changed;
+    return with([](Field& f) { f.skip_zeros = true; });
   }
   constexpr Field with_samples(std::string_view field) const {
-    Field changed = *this;
-    changed.samples = field;
-    return changed;
+    return with([=](Field& f) { f.samples = field; });
   }
   constexpr Field within(std::string_view least, std::string_view most) const {
-    Field changed = *this;
-    changed.low = least;
-    changed.high = most;
-    return changed;
+    return with([=](Field& f) { f.low = least, f.high = most; });
   }
   constexpr Field plus(std::string_view field) const {
+    return with([=](Field& f) { f.added = field; });
+  }
+
+  /// The field as `change` leaves it.
+  template <class Change>
+  constexpr Field with(Change change) const {
     Field changed = *this;
-    changed.added = field;
+    change(changed);
     return changed;
   }
 };
