@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -11,6 +10,7 @@
 #include "bench/counted/counted_queue.hpp"
 #include "bench/counted/pairs.hpp"
 #include "bench/frames/arguments.hpp"
+#include "bench/frames/text_files.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 
@@ -69,9 +69,9 @@ json run_object(const QueueEntry& queue, const PairsOptions& options, const Coun
           {"conditions", conditions}};
 }
 
-void print(const json& run) {
+void print(std::FILE* out, const json& run) {
   const auto number = [&run](const char* key) { return run.at(key).get<double>(); };
-  fmt::print("{:<24}{:>8}{:>10.4f}{:>8.3f}{:>8.3f}{:>8.3f}{:>8.3f}{:>11.2f}{:>10.2f}\n",
+  fmt::print(out, "{:<24}{:>8}{:>10.4f}{:>8.3f}{:>8.3f}{:>8.3f}{:>8.3f}{:>11.2f}{:>10.2f}\n",
              run.at("queue").get<std::string>(), run.at("threads").get<unsigned>(),
              number("retries_per_operation"), number("compare_exchanges_per_operation"),
              number("other_modifications_per_operation"), number("atomic_loads_per_operation"),
@@ -88,11 +88,13 @@ int measure(Options options) {
     if (std::thread::hardware_concurrency() > 1)
       options.threads.push_back(std::thread::hardware_concurrency());
   }
-  fmt::print(
-      "Pairs of push and pop; for each successful operation:\n{:<24}{:>8}{:>10}{:>8}{:>8}"
-      "{:>8}{:>8}{:>11}{:>10}\n",
-      "queue", "threads", "CAS lost", "CAS", "FAA ...", "loads", "stores", "plain Mop/s",
-      "slowdown");
+  if (!options.json_file.empty()) require_writable(options.json_file);
+  std::FILE* const out = beside(options.json_file);
+  fmt::print(out,
+             "Pairs of push and pop; for each successful operation:\n{:<24}{:>8}{:>10}{:>8}{:>8}"
+             "{:>8}{:>8}{:>11}{:>10}\n",
+             "queue", "threads", "CAS lost", "CAS", "FAA ...", "loads", "stores", "plain Mop/s",
+             "slowdown");
   json runs = json::array();
   const json now = conditions();
   for (const std::string& name : options.queues) {
@@ -101,16 +103,14 @@ int measure(Options options) {
       options.pairs.threads = threads;
       const CountedPairs pairs = count_pairs(queue, *counted_queue(name), options.pairs);
       runs.push_back(run_object(queue, options.pairs, pairs, now));
-      print(runs.back());
-      std::fflush(stdout);
+      print(out, runs.back());
+      std::fflush(out);
     }
   }
-  fmt::print("slowdown: of the counting build, plain over counted, medians of {} rounds in turn.\n",
+  fmt::print(out,
+             "slowdown: of the counting build, plain over counted, medians of {} rounds in turn.\n",
              options.pairs.rounds);
-  if (options.json_file.empty()) return 0;
-  std::ofstream file(options.json_file);
-  file << runs.dump(2) << '\n';
-  if (!file) throw std::runtime_error("--json " + options.json_file + ": cannot be written");
+  if (!options.json_file.empty()) write_text(options.json_file, runs.dump(2) + "\n");
   return 0;
 }
 
@@ -132,7 +132,8 @@ int run(int argc, char** argv) {
   app.add_option("--rounds", options.pairs.rounds, "rounds of both builds in turn")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--json", options.json_file, "write all figures to this file");
+  app.add_option("--json", options.json_file,
+                 "write all figures to this file; - for standard output");
   refuse_empty(app);
   try {
     app.parse(argc, argv);

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -11,6 +10,7 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/arguments.hpp"
+#include "bench/frames/text_files.hpp"
 #include "bench/instructions/callgrind.hpp"
 #include "bench/micro/second_thread.hpp"
 #include "queues/registry.hpp"
@@ -142,9 +142,10 @@ json to_json(const std::string& name, const Row& row) {
           {"ll_misses_per_operation", row.last_level_misses}};
 }
 
-void print(const std::string& name, const Row& row) {
-  fmt::print("{:<52.52}{:>9.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>9.4f}{:>9.4f}\n", name, row.instructions,
-             row.reads, row.writes, row.locked, row.first_level_misses, row.last_level_misses);
+void print(std::FILE* out, const std::string& name, const Row& row) {
+  fmt::print(out, "{:<52.52}{:>9.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>9.4f}{:>9.4f}\n", name,
+             row.instructions, row.reads, row.writes, row.locked, row.first_level_misses,
+             row.last_level_misses);
 }
 
 /// Without parameters and template arguments, which fill lines.
@@ -160,6 +161,7 @@ std::string short_name(const std::string& name) {
 }
 
 json measure(const std::string& queue, const Options& options, const json& conditions) {
+  std::FILE* const out = beside(options.json_file);
   const std::vector<Function> functions = profile(queue, options);
   const unsigned bursts = std::max(options.operations / 2 / options.burst, 1U);
   const double operations = 2.0 * bursts * options.burst;
@@ -176,12 +178,13 @@ json measure(const std::string& queue, const Options& options, const json& condi
               {"conditions", conditions},
               {"functions", json::array()}});
   run.erase("name");
-  print(queue, all);
+  print(out, queue, all);
   for (const Function& function : functions) {
     const Row row = per_operation(function.own, operations);
     run["functions"].push_back(to_json(function.name, row));
     constexpr double shown = 0.02;
-    if (row.instructions >= shown * all.instructions) print("  " + short_name(function.name), row);
+    if (row.instructions >= shown * all.instructions)
+      print(out, "  " + short_name(function.name), row);
   }
   return run;
 }
@@ -200,7 +203,8 @@ int run(int argc, char** argv) {
   app.add_option("--operations", options.operations, "pushes and pops together")
       ->check(CLI::Range(2, 100'000'000))
       ->capture_default_str();
-  app.add_option("--json", options.json_file, "write all figures to this file");
+  app.add_option("--json", options.json_file,
+                 "write all figures to this file; - for standard output");
   app.add_option("--measured", options.measured)->group("");
   refuse_empty(app);
   try {
@@ -215,21 +219,20 @@ int run(int argc, char** argv) {
     throw std::runtime_error("valgrind is missing; the package valgrind brings it");
   if (options.queues.empty())
     for (const QueueEntry& entry : registry.entries()) options.queues.emplace_back(entry.name);
-  fmt::print(
-      "For each operation, one thread, through the type-erased face:\n"
-      "{:<52}{:>9}{:>8}{:>8}{:>8}{:>9}{:>9}\n",
-      "queue, and its functions from 2 %", "instr.", "reads", "writes", "locked", "L1 miss",
-      "LL miss");
+  if (!options.json_file.empty()) require_writable(options.json_file);
+  std::FILE* const out = beside(options.json_file);
+  fmt::print(out,
+             "For each operation, one thread, through the type-erased face:\n"
+             "{:<52}{:>9}{:>8}{:>8}{:>8}{:>9}{:>9}\n",
+             "queue, and its functions from 2 %", "instr.", "reads", "writes", "locked", "L1 miss",
+             "LL miss");
   json runs = json::array();
   const json now = conditions();
   for (const std::string& queue : options.queues) {
     runs.push_back(measure(queue, options, now));
-    std::fflush(stdout);
+    std::fflush(out);
   }
-  if (options.json_file.empty()) return 0;
-  std::ofstream file(options.json_file);
-  file << runs.dump(2) << '\n';
-  if (!file) throw std::runtime_error("--json " + options.json_file + ": cannot be written");
+  if (!options.json_file.empty()) write_text(options.json_file, runs.dump(2) + "\n");
   return 0;
 }
 

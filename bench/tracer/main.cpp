@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/arguments.hpp"
+#include "bench/frames/text_files.hpp"
 #include "bench/tracer/contestant.hpp"
 #include "bench/tracer/frame.hpp"
 #include "bench/tracer/measurement.hpp"
@@ -40,14 +40,18 @@ constexpr double most_differing_pixels = 1e-3;
 class Report {
  public:
   explicit Report(const Options& options) : options_(options) {
+    if (!options.json.empty()) require_writable(options.json);
     json_["conditions"] = conditions();
     json_["builds"] = nlohmann::json::array();
     json_["results"] = nlohmann::json::array();
   }
 
+  /// Where people read.
+  [[nodiscard]] std::FILE* out() const { return beside(options_.json); }
+
   void build(const Scene& scene, unsigned threads, const std::string& name,
              const std::vector<double>& wall_ms, double sah_cost) {
-    fmt::print("  build  {:<16} {} thread{}  {:8.1f} ms{}\n", name, threads,
+    fmt::print(out(), "  build  {:<16} {} thread{}  {:8.1f} ms{}\n", name, threads,
                threads == 1 ? " " : "s", median(wall_ms),
                sah_cost > 0 ? fmt::format("  SAH cost {:.2f}", sah_cost) : "");
     json_["builds"].push_back({{"scene", scene.name},
@@ -77,8 +81,8 @@ class Report {
     const bool finding =
         contestant.same_bits ||
         static_cast<double>(wrong) > most_disagreement * static_cast<double>(found.rays);
-    fmt::print("  {} {}: {} of {} {} rays answered otherwise{}\n", finding ? "FINDING" : "note",
-               contestant.name, wrong, found.rays, name_of(kind),
+    fmt::print(out(), "  {} {}: {} of {} {} rays answered otherwise{}\n",
+               finding ? "FINDING" : "note", contestant.name, wrong, found.rays, name_of(kind),
                contestant.same_bits ? "; ours must agree to the bit" : " (rays along edges)");
     findings_ += finding;
   }
@@ -99,15 +103,15 @@ class Report {
                        std::uint32_t pixels) {
     const bool finding =
         contestant.same_bits || differing > most_differing_pixels * static_cast<double>(pixels);
-    fmt::print("  {} {}: the picture differs in {} of {} pixels\n", finding ? "FINDING" : "note",
-               contestant.name, differing, pixels);
+    fmt::print(out(), "  {} {}: the picture differs in {} of {} pixels\n",
+               finding ? "FINDING" : "note", contestant.name, differing, pixels);
     findings_ += finding;
   }
 
   int finish() {
     if (!options_.json.empty()) {
-      std::ofstream(options_.json) << json_.dump(1) << '\n';
-      fmt::print("written: {}\n", options_.json);
+      write_text(options_.json, json_.dump(1) + "\n");
+      if (options_.json != "-") fmt::print("written: {}\n", options_.json);
     }
     return findings_ == 0 ? 0 : 1;
   }
@@ -146,19 +150,19 @@ void add_ratio(std::string& line, std::string_view name, const Contestants& cont
   line += fmt::format("  {} {:.2f}x (±{:.0f} %)", name, median(ratios), spread(ratios));
 }
 
-void print_rows(const Contestants& contestants, const std::vector<Row>& rows,
+void print_rows(std::FILE* out, const Contestants& contestants, const std::vector<Row>& rows,
                 const std::uint64_t (&rays)[3], unsigned threads) {
-  fmt::print("  {:<26}{:>13}{:>14}{:>14}{:>19}\n", "Mrays/s (spread %)", "primary", "shadow",
+  fmt::print(out, "  {:<26}{:>13}{:>14}{:>14}{:>19}\n", "Mrays/s (spread %)", "primary", "shadow",
              "specular", "frame ms");
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    fmt::print("  {:<26}", contestants[i].name);
+    fmt::print(out, "  {:<26}", contestants[i].name);
     for (int kind = 0; kind < 3; ++kind) {
       const TaskTimes& times = rows[i].kind[kind];
-      fmt::print("{:>8.1f} ({:>2.0f}) ",
+      fmt::print(out, "{:>8.1f} ({:>2.0f}) ",
                  static_cast<double>(rays[kind]) * threads / times.busy_ms() / 1e3,
                  spread(times.rounds_ms()));
     }
-    fmt::print("{:>11.2f} ({:>2.0f})\n", median(rows[i].frame_ms), spread(rows[i].frame_ms));
+    fmt::print(out, "{:>11.2f} ({:>2.0f})\n", median(rows[i].frame_ms), spread(rows[i].frame_ms));
   }
   std::string line;
   for (int kind = 0; kind < 3; ++kind) {
@@ -171,7 +175,7 @@ void print_rows(const Contestants& contestants, const std::vector<Row>& rows,
   frames.reserve(rows.size());
   for (const Row& row : rows) frames.push_back(row.frame_ms);
   add_ratio(line, "frame", contestants, frames);
-  if (!line.empty()) fmt::print("  time of the best of Embree : the best of ours{}\n", line);
+  if (!line.empty()) fmt::print(out, "  time of the best of Embree : the best of ours{}\n", line);
 }
 
 /// Renders frames with one contestant after the other, round by round.
@@ -244,7 +248,7 @@ void measure_builds(const Scene& scene, const Options& options, Report& report) 
 }
 
 void measure(const Scene& scene, const Options& options, Report& report) {
-  fmt::print("\n{}: {} triangles\n", scene.name, scene.mesh.triangles.size());
+  fmt::print(report.out(), "\n{}: {} triangles\n", scene.name, scene.mesh.triangles.size());
   measure_builds(scene, options, report);
   Contestants contestants = our_contestants(scene.mesh, options.contestants);
   if (contestants.empty())
@@ -263,9 +267,10 @@ void measure(const Scene& scene, const Options& options, Report& report) {
                      rays[static_cast<int>(kind)], report);
       }
       measure_frames(scene, side, threads, contestants, rounds(options, side), rows, report);
-      fmt::print("\n  {0} x {0} pixels, {1} thread{2}\n", side, threads, threads == 1 ? "" : "s");
-      print_rows(contestants, rows, rays, threads);
-      std::fflush(stdout);
+      fmt::print(report.out(), "\n  {0} x {0} pixels, {1} thread{2}\n", side, threads,
+                 threads == 1 ? "" : "s");
+      print_rows(report.out(), contestants, rows, rays, threads);
+      std::fflush(report.out());
     }
   }
 }
@@ -308,7 +313,8 @@ int run(int argc, char** argv) {
   app.add_option("--repeats", options.repeats,
                  "rounds of a megapixel; small pictures get up to eight times as many")
       ->check(CLI::Range(1, 1000));
-  app.add_option("--json", options.json, "write every single time to this file");
+  app.add_option("--json", options.json,
+                 "write every single time to this file; - for standard output");
   refuse_empty(app);
   try {
     app.parse(argc, argv);
@@ -322,12 +328,12 @@ int run(int argc, char** argv) {
     for (const SceneEntry& scene : built_in_scenes()) options.scenes.emplace_back(scene.name);
   }
   check_names(options.contestants);
+  Report report(options);
   if (embree_names().empty()) {
-    fmt::print("without Embree (libembree-dev): this project's structures only\n");
+    fmt::print(report.out(), "without Embree (libembree-dev): this project's structures only\n");
   }
   flush_denormals();
 
-  Report report(options);
   for (const std::string& name : options.scenes) measure(load_scene(name), options, report);
   return report.finish();
 }

@@ -32,3 +32,13 @@ foreach(run 0 1)
     message(FATAL_ERROR "run ${run}: ${count_1_${run}} instructions, then ${count_2_${run}}")
   endif()
 endforeach()
+
+# With - nothing but JSON goes to standard output. Where nothing can be written nothing is measured.
+execute_process(COMMAND ${TOOL} --queue faa --operations 200 --json -
+  OUTPUT_VARIABLE json ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
+string(JSON value GET "${json}" 0 queue)
+execute_process(COMMAND ${TOOL} --queue faa --json /proc/none/x RESULT_VARIABLE code
+  OUTPUT_VARIABLE measured ERROR_VARIABLE said)
+if(NOT code EQUAL 2 OR measured OR NOT said MATCHES "cannot be written")
+  message(FATAL_ERROR "--json /proc/none/x: exit code ${code}: ${measured}${said}")
+endif()
