@@ -205,4 +205,20 @@ std::vector<MemoryUse> memory_uses(const Instruction& instruction) {
   return uses;
 }
 
+bool is_hook(const std::string& target) {
+  return target.starts_with("__tsan_") && target.find("atomic") == std::string::npos;
+}
+
+bool stands_for_instruction(const std::string& target) {
+  return target.starts_with("irt_vc_cpu_");
+}
+
+std::int64_t hooked_bytes(const std::string& target) {
+  if (target.ends_with("_range")) return -1;
+  if (target.find("vptr") != std::string::npos) return 8;
+  if (target.find("read") == std::string::npos && target.find("write") == std::string::npos)
+    return 0;
+  return std::strtol(target.c_str() + target.find_last_not_of("0123456789") + 1, nullptr, 10);
+}
+
 }  // namespace irt::checker

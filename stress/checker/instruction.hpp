@@ -57,4 +57,11 @@ std::optional<Instruction> parse_instruction(const std::string& line);
 /// No use of it: `lea`, `nop`, prefetches, pushes and pops.
 std::vector<MemoryUse> memory_uses(const Instruction& instruction);
 
+/// Whether a call of `target` announces a plain access to the sanitizer.
+bool is_hook(const std::string& target);
+/// How many bytes a hook announces; -1: rsi says it, 0: none.
+std::int64_t hooked_bytes(const std::string& target);
+/// Whether a call stands for one instruction (prelude.hpp), across which compilers move accesses.
+bool stands_for_instruction(const std::string& target);
+
 }  // namespace irt::checker

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -12,53 +11,14 @@
 #include <tuple>
 
 #include "stress/checker/instruction.hpp"
+#include "stress/checker/value_names.hpp"
 
 namespace irt::checker {
 
 namespace {
 
-/// A value by name: a root, which is something unknown, and a distance from it.
-struct Value {
-  std::uint32_t root = 0;  ///< 0: a number, or an address in the file
-  std::int64_t offset = 0;
-  friend auto operator<=>(const Value&, const Value&) = default;
-};
-
-constexpr std::uint32_t stack_root = 1;
-constexpr std::uint32_t argument_root = 2;  ///< what rdi was at the beginning
-
-/// Names for unknown values: the same for the same operation on the same values.
-class Names {
- public:
-  using Key = std::tuple<std::string, Value, Value, std::int64_t>;
-
-  Value of(const std::string& what, Value a = {}, Value b = {}, std::int64_t c = 0,
-           bool on_stack = false) {
-    const auto [known, fresh] = roots_.try_emplace({what, a, b, c}, next_);
-    if (fresh) {
-      ++next_;
-      on_stack_.push_back(on_stack);
-    } else if (!on_stack) {
-      on_stack_[known->second - argument_root - 1] = false;
-    }
-    return {known->second, 0};
-  }
-  [[nodiscard]] bool on_stack(Value value) const {
-    return value.root == stack_root ||
-           (value.root > argument_root && on_stack_[value.root - argument_root - 1]);
-  }
-  void leave_stack(Value value) {
-    if (value.root > argument_root) on_stack_[value.root - argument_root - 1] = false;
-  }
-
- private:
-  std::map<Key, std::uint32_t> roots_;
-  std::vector<bool> on_stack_;
-  std::uint32_t next_ = argument_root + 1;
-};
-
 struct Announced {
-  Value begin;
+  NamedValue begin;
   std::int64_t bytes = 0;
   bool writes = false;
   bool used = false;  ///< an access has followed
@@ -67,8 +27,9 @@ struct Announced {
 
 struct State {
   bool reached = false;
-  std::array<Value, registers> in{};
-  std::map<std::int64_t, Value> slots{};  ///< 8 bytes of the stack each, by distance from its top
+  std::array<NamedValue, registers> in{};
+  std::map<std::int64_t, NamedValue>
+      slots{};  ///< 8 bytes of the stack each, by distance from its top
   std::vector<Announced> announced{};
 };
 
@@ -83,24 +44,6 @@ struct Block {
   bool entered = false;  ///< by a jump or from above; if not, by the unwinder or a table
   State before{};
 };
-
-bool is_hook(const std::string& target) {
-  return target.starts_with("__tsan_") && target.find("atomic") == std::string::npos;
-}
-
-/// A call that stands for one instruction (prelude.hpp), across which compilers move accesses.
-bool is_instruction(const std::string& target) {
-  return target.starts_with("irt_vc_cpu_");
-}
-
-/// How many bytes a hook announces; -1: rsi says it, 0: none.
-std::int64_t hooked_bytes(const std::string& target) {
-  if (target.ends_with("_range")) return -1;
-  if (target.find("vptr") != std::string::npos) return 8;
-  if (target.find("read") == std::string::npos && target.find("write") == std::string::npos)
-    return 0;
-  return std::strtol(target.c_str() + target.find_last_not_of("0123456789") + 1, nullptr, 10);
-}
 
 class Function {
  public:
@@ -211,8 +154,8 @@ class Function {
     }
     // Places that differ by the same on both paths go on doing so: they get one new value.
     struct Place {
-      Value& mine;
-      Value other;
+      NamedValue& mine;
+      NamedValue other;
       std::int64_t number;
     };
     std::vector<Place> places;
@@ -223,17 +166,17 @@ class Function {
       changed_ = changed_ || fresh;
       places.push_back({slot->second, value, registers + place});
     }
-    std::map<std::tuple<std::uint32_t, std::uint32_t, std::int64_t>, Value> joined;
+    std::map<std::tuple<std::uint32_t, std::uint32_t, std::int64_t>, NamedValue> joined;
     for (Place& place : places) {
-      Value& mine = place.mine;
-      const Value other = place.other;
+      NamedValue& mine = place.mine;
+      const NamedValue other = place.other;
       if (mine == other) continue;
       const auto [known, fresh] =
           joined.try_emplace({mine.root, other.root, mine.offset - other.offset});
       if (fresh)
         known->second = names_.of("join", {0, static_cast<std::int64_t>(number)}, {0, run_},
                                   place.number, true);
-      const Value value = known->second;
+      const NamedValue value = known->second;
       if (names_.on_stack(value) && (!names_.on_stack(mine) || !names_.on_stack(other))) {
         changed_ = true;
         names_.leave_stack(value);
@@ -257,46 +200,47 @@ class Function {
     for (const std::size_t next : blocks_[number].next) meet(blocks_[next].before, state, next);
   }
 
-  Value address_of(const State& state, const Operand& operand) {
+  NamedValue address_of(const State& state, const Operand& operand) {
     if (operand.absolute) return {0, operand.offset};
-    Value value{0, operand.offset};
+    NamedValue value{0, operand.offset};
     if (operand.base != no_register) value = sum(state.in[operand.base], value);
     if (operand.index == no_register) return value;
-    const Value index = state.in[operand.index];
+    const NamedValue index = state.in[operand.index];
     if (index.root == 0) return {value.root, value.offset + index.offset * operand.scale};
-    const Value scaled =
+    const NamedValue scaled =
         operand.scale == 1 ? index : names_.of("scale", {index.root, 0}, {}, operand.scale);
-    const Value far = sum({value.root, 0}, {scaled.root, 0});
+    const NamedValue far = sum({value.root, 0}, {scaled.root, 0});
     return {far.root, far.offset + value.offset + index.offset * operand.scale};
   }
 
-  Value sum(Value a, Value b) {
+  NamedValue sum(NamedValue a, NamedValue b) {
     if (a.root == 0) return {b.root, b.offset + a.offset};
     if (b.root == 0) return {a.root, a.offset + b.offset};
-    const Value root = names_.of("+", {std::min(a.root, b.root), 0}, {std::max(a.root, b.root), 0},
-                                 0, names_.on_stack(a) || names_.on_stack(b));
+    const NamedValue root =
+        names_.of("+", {std::min(a.root, b.root), 0}, {std::max(a.root, b.root), 0}, 0,
+                  names_.on_stack(a) || names_.on_stack(b));
     return {root.root, a.offset + b.offset};
   }
 
-  Value read(State& state, const Operand& operand, const Instruction& at) {
+  NamedValue read(State& state, const Operand& operand, const Instruction& at) {
     if (operand.kind == Operand::Kind::immediate) return {0, operand.offset};
     if (operand.kind == Operand::Kind::reg && operand.base != no_register)
       return state.in[operand.base];
-    const Value own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
+    const NamedValue own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
     if (operand.kind != Operand::Kind::memory || operand.segment) return own;
-    const Value place = address_of(state, operand);
+    const NamedValue place = address_of(state, operand);
     if (place.root == 0) return is_writable(place.offset) ? own : names_.of("constant", place);
     if (place.root != stack_root) return own;
     return state.slots.try_emplace(place.offset, own).first->second;
   }
 
-  void write(State& state, const Operand& operand, Value value, const Instruction& at) {
+  void write(State& state, const Operand& operand, NamedValue value, const Instruction& at) {
     if (operand.kind == Operand::Kind::reg) {
       if (operand.base != no_register) state.in[operand.base] = value;
       return;
     }
     if (operand.kind != Operand::Kind::memory || operand.segment) return;
-    const Value place = address_of(state, operand);
+    const NamedValue place = address_of(state, operand);
     if (place.root != stack_root) return;
     // Up to 16 bytes are written; what is narrower than 8 is no value that anybody asks for.
     const bool whole = at.name == "mov" || at.name == "movq";
@@ -314,7 +258,7 @@ class Function {
     });
   }
 
-  void check(State& state, Value place, const MemoryUse& use, std::size_t at) {
+  void check(State& state, NamedValue place, const MemoryUse& use, std::size_t at) {
     if (names_.on_stack(place) || (place.root == 0 && !is_writable(place.offset))) return;
     const auto fits = [&](const Announced& a) {
       return a.bytes >= use.bytes && (a.writes || !use.writes);
@@ -342,7 +286,7 @@ class Function {
   }
 
   void call(State& state, const Instruction& at) {
-    if (is_instruction(at.target)) {
+    if (stands_for_instruction(at.target)) {
       for (const std::uint8_t r : {rax, rcx, rdx})
         state.in[r] = names_.of("after", {0, static_cast<std::int64_t>(at.address)}, {}, r);
       return;
@@ -350,7 +294,7 @@ class Function {
     if (!is_hook(at.target)) {
       // The address of a thread's own variables stays what it is.
       const bool own = at.target.find("tls_get_addr") != std::string::npos;
-      const Value asked = state.in[rdi];
+      const NamedValue asked = state.in[rdi];
       if (!own) state.announced.clear();
       forget(state, at);
       if (own) state.in[rax] = names_.of("thread", asked);
@@ -387,7 +331,7 @@ class Function {
         check(state, address_of(state, use.place), use, number);
     if (at.is_call()) return call(state, at);
     if (at.is("ret") || at.is("repz ret")) {
-      returns_argument_ = returns_argument_ || state.in[rax] == Value{argument_root, 0};
+      returns_argument_ = returns_argument_ || state.in[rax] == NamedValue{argument_root, 0};
       return;
     }
     if (at.is_jump()) {
@@ -395,7 +339,7 @@ class Function {
       return;
     }
     if (at.is("push")) {
-      const Value value = read(state, at.operands[0], at);
+      const NamedValue value = read(state, at.operands[0], at);
       state.in[rsp].offset -= 8;
       if (state.in[rsp].root == stack_root) state.slots[state.in[rsp].offset] = value;
       return;
@@ -417,7 +361,7 @@ class Function {
   }
 
   void compute(State& state, const Instruction& at) {
-    const Value own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
+    const NamedValue own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
     if (at.is("cltq") || at.is("cwtl")) {
       state.in[rax] = names_.of(at.name, state.in[rax]);
     } else if (at.is("cqto") || at.is("cltd")) {
@@ -434,8 +378,8 @@ class Function {
     if (at.operands.empty() || at.only_reads() || at.is("lock") || at.is("nop")) return;
     const Operand& to = at.operands.back();
     if (at.is("xchg") && at.operands.size() == 2) {
-      const Value a = read(state, at.operands[0], at);
-      const Value b = read(state, at.operands[1], at);
+      const NamedValue a = read(state, at.operands[0], at);
+      const NamedValue b = read(state, at.operands[1], at);
       write(state, at.operands[0], b, at);
       write(state, at.operands[1], a, at);
       return;
@@ -443,7 +387,7 @@ class Function {
     write(state, to, result_of(state, at, own), at);
   }
 
-  Value result_of(State& state, const Instruction& at, Value own) {
+  NamedValue result_of(State& state, const Instruction& at, NamedValue own) {
     const Operand& from = at.operands.front();
     const Operand& to = at.operands.back();
     const bool wide = to.kind == Operand::Kind::memory || to.bytes == 8;
@@ -458,8 +402,8 @@ class Function {
       return {0, 0};
     if (to.kind == Operand::Kind::memory) return own;
     if (at.is("set") || at.operands.size() > 2) return own;
-    const Value a = at.operands.size() == 2 ? read(state, from, at) : Value{};
-    const Value b = read(state, to, at);
+    const NamedValue a = at.operands.size() == 2 ? read(state, from, at) : NamedValue{};
+    const NamedValue b = read(state, to, at);
     if (wide && at.is("add")) return sum(a, b);
     if (wide && at.is("sub") && a.root == 0) return {b.root, b.offset - a.offset};
     if (wide && at.is("inc")) return {b.root, b.offset + 1};
@@ -468,14 +412,15 @@ class Function {
     const bool keeps_stack = (at.is("and") && wide && names_.on_stack(b)) ||
                              (at.is("cmov") && names_.on_stack(a) && names_.on_stack(b)) ||
                              (at.is("sub") && wide && names_.on_stack(b) && !names_.on_stack(a));
-    return names_.of(at.name, a, copies ? Value{} : b, from.bytes * 16 + to.bytes, keeps_stack);
+    return names_.of(at.name, a, copies ? NamedValue{} : b, from.bytes * 16 + to.bytes,
+                     keeps_stack);
   }
 
   std::vector<Instruction> code_;
   const std::vector<Section>& writable_;
   bool results_on_stack_;
   std::vector<Block> blocks_;
-  Names names_;
+  ValueNames names_;
   std::int64_t run_ = 0;
   bool changed_ = false;
   bool collect_ = false;
