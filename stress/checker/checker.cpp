@@ -91,101 +91,125 @@ bool may_exchange(const Scenario& scenario, const Options& options) {
          (!scenario.judge || scenario.outcome);
 }
 
-/// How an execution ended for the search, once its equal threads were exchanged.
-Outcome exchanged(Exchange& exchange, const Strategy& strategy, Outcome outcome, Result& result) {
-  Exchange::Answer answer = exchange.check(outcome);
-  result.exchanged = {exchange.orders(), exchange.histories(), exchange.executions()};
-  if (answer == Exchange::Answer::found) return Outcome::found;
-  if (answer == Exchange::Answer::fails) result.uneven = exchange.why();
-  if (strategy.loses_symmetry()) result.uneven = "a thread goes on where an equal one waits";
-  if (result.uneven.empty() && answer == Exchange::Answer::holds) return outcome;
-  result.exchanged = {};
-  return Outcome::restart;
-}
+/// One search, from its first execution to its last.
+class Exploration {
+ public:
+  Exploration(const Scenario& scenario, const Options& options, Execution& execution)
+      : scenario_(scenario), options_(options), execution_(execution) {}
 
-Result explore(const Scenario& scenario, const Options& options, Execution& execution) {
-  using Stopwatch = std::chrono::steady_clock;
-  const auto start = Stopwatch::now();
-  const auto elapsed = [start] {
-    return std::chrono::duration<double>(Stopwatch::now() - start).count();
-  };
-  Result result;
-  std::uint64_t made = 0;
-  SearchProgress last;
-  const unsigned last_budget = options.search == Search::bounded ? options.budget : 0;
-  for (unsigned budget = 0; budget <= last_budget; ++budget) {
-    std::optional<Exchange> exchange;
-    const auto anew = [&] {
-      const bool exchanges = may_exchange(scenario, options) && result.uneven.empty();
-      exchange.reset();
-      if (exchanges) exchange.emplace(scenario, execution);
-      if (exchange && exchange->roles().empty()) exchange.reset();
-      return make_strategy(options, budget, exchange ? exchange->roles() : std::vector<unsigned>{});
-    };
-    auto strategy = anew();
-    while (strategy->begin()) {
-      if ((made & 63U) == 0) {
-        result.seconds = elapsed();
-        result.explored = strategy->explored();
-        if (options.progress && result.seconds >= last.seconds + 2) {
-          const double rate =
-              static_cast<double>(made - last.executions) / (result.seconds - last.seconds);
-          last = {made, result.seconds, rate, execution.steps().size(), result.explored};
-          options.progress(last);
+  Result run() {
+    const unsigned last_budget = options_.search == Search::bounded ? options_.budget : 0;
+    for (budget_ = 0; budget_ <= last_budget; ++budget_) {
+      begin_anew();
+      while (strategy_->begin()) {
+        if ((made_ & 63U) == 0) tell();
+        if (made_ == options_.executions || result_.seconds > options_.seconds ||
+            (options_.stops && options_.stops(made_)))
+          return std::move(result_);
+        if (!goes_on()) {
+          result_.seconds = elapsed();
+          return std::move(result_);
         }
       }
-      if (made == options.executions || result.seconds > options.seconds ||
-          (options.stops && options.stops(made)))
-        return result;
-      Outcome outcome = execution.run(*strategy);
-      ++made;
-      if (execution.out_of_time()) {
-        result.incomplete = execution.incomplete();
-        result.incomplete_at = execution.incomplete_at();
-        result.seconds = elapsed();
-        return result;
-      }
-      if (strategy->differs()) {
-        result.incomplete = executions_differ;
-        result.seconds = elapsed();
-        return result;
-      }
-      if (!strategy->counted_elsewhere()) {
-        ++result.executions;
-        result.complete += outcome == Outcome::complete ? 1 : 0;
-        result.blocked += outcome == Outcome::blocked ? 1 : 0;
-        result.cut += outcome == Outcome::cut ? 1 : 0;
-      }
-      if (outcome == Outcome::complete && options.each) options.each(execution);
-      if (exchange && outcome != Outcome::found && outcome != Outcome::restart)
-        outcome = exchanged(*exchange, *strategy, outcome, result);
-      result.assumed_waits = execution.assumed_waits();
-      result.incomplete = execution.incomplete();
-      result.incomplete_at = execution.incomplete_at();
-      if (execution.out_of_time()) {
-        result.seconds = elapsed();
-        return result;
-      }
-      if (!result.uneven.empty() && options.shards > 1) return result;  // all parts begin anew
-      if (outcome == Outcome::found) {
-        result.finding = execution.finding();
-        result.schedule = {execution.steps(), strategy->resumes_waiting()};
-        result.seconds = elapsed();
-        return result;
-      }
-      if (outcome == Outcome::restart) {
-        strategy = anew();
-        result.complete = result.blocked = result.cut = 0;
-      }
+      if (strategy_->left_out() && result_.incomplete.empty())
+        result_.incomplete = "too many alternatives to keep in mind";
     }
-    if (strategy->left_out() && result.incomplete.empty())
-      result.incomplete = "too many alternatives to keep in mind";
+    result_.finished = result_.incomplete.empty();
+    result_.explored = result_.finished ? 1 : result_.explored;
+    result_.seconds = elapsed();
+    return std::move(result_);
   }
-  result.finished = result.incomplete.empty();
-  result.explored = result.finished ? 1 : result.explored;
-  result.seconds = elapsed();
-  return result;
-}
+
+ private:
+  using Stopwatch = std::chrono::steady_clock;
+
+  [[nodiscard]] double elapsed() const {
+    return std::chrono::duration<double>(Stopwatch::now() - start_).count();
+  }
+
+  void begin_anew() {
+    exchange_.reset();
+    if (may_exchange(scenario_, options_) && result_.uneven.empty())
+      exchange_.emplace(scenario_, execution_);
+    if (exchange_ && exchange_->roles().empty()) exchange_.reset();
+    strategy_ =
+        make_strategy(options_, budget_, exchange_ ? exchange_->roles() : std::vector<unsigned>{});
+  }
+
+  void tell() {
+    result_.seconds = elapsed();
+    result_.explored = strategy_->explored();
+    if (!options_.progress || result_.seconds < told_.seconds + 2) return;
+    const double rate =
+        static_cast<double>(made_ - told_.executions) / (result_.seconds - told_.seconds);
+    told_ = {made_, result_.seconds, rate, execution_.steps().size(), result_.explored};
+    options_.progress(told_);
+  }
+
+  /// Makes the next execution; false if it is the last.
+  bool goes_on() {
+    Outcome outcome = execution_.run(*strategy_);
+    ++made_;
+    note_limits();
+    if (execution_.out_of_time()) return false;
+    if (strategy_->differs()) {
+      result_.incomplete = executions_differ;
+      return false;
+    }
+    if (!strategy_->counted_elsewhere()) {
+      ++result_.executions;
+      result_.complete += outcome == Outcome::complete ? 1 : 0;
+      result_.blocked += outcome == Outcome::blocked ? 1 : 0;
+      result_.cut += outcome == Outcome::cut ? 1 : 0;
+    }
+    if (outcome == Outcome::complete && options_.each) options_.each(execution_);
+    if (exchange_ && outcome != Outcome::found && outcome != Outcome::restart) {
+      outcome = exchanged(outcome);
+      note_limits();
+      if (execution_.out_of_time()) return false;
+    }
+    if (!result_.uneven.empty() && options_.shards > 1) return false;  // all parts begin anew
+    if (outcome == Outcome::found) {
+      result_.finding = execution_.finding();
+      result_.schedule = {execution_.steps(), strategy_->resumes_waiting()};
+      return false;
+    }
+    if (outcome == Outcome::restart) {
+      begin_anew();
+      result_.complete = result_.blocked = result_.cut = 0;
+    }
+    return true;
+  }
+
+  void note_limits() {
+    result_.assumed_waits = execution_.assumed_waits();
+    result_.incomplete = execution_.incomplete();
+    result_.incomplete_at = execution_.incomplete_at();
+  }
+
+  /// How an execution ended for the search, once its equal threads were exchanged.
+  Outcome exchanged(Outcome outcome) {
+    const Exchange::Answer answer = exchange_->check(outcome);
+    result_.exchanged = {exchange_->orders(), exchange_->histories(), exchange_->executions()};
+    if (answer == Exchange::Answer::found) return Outcome::found;
+    if (answer == Exchange::Answer::fails) result_.uneven = exchange_->why();
+    if (strategy_->loses_symmetry()) result_.uneven = "a thread goes on where an equal one waits";
+    if (result_.uneven.empty() && answer == Exchange::Answer::holds) return outcome;
+    result_.exchanged = {};
+    return Outcome::restart;
+  }
+
+  const Scenario& scenario_;
+  const Options& options_;
+  Execution& execution_;
+  Stopwatch::time_point start_ = Stopwatch::now();
+  unsigned budget_ = 0;
+  std::optional<Exchange> exchange_;
+  std::unique_ptr<Strategy> strategy_;
+  std::uint64_t made_ = 0;
+  SearchProgress told_;
+  Result result_;
+};
 
 }  // namespace
 
@@ -204,7 +228,7 @@ Result check(const Scenario& scenario, const Options& options) {
     execution.know(options.known);
     execution.until(deadline);
     if (options.watch_orders) execution.watch_orders();
-    result = explore(scenario, options, execution);
+    result = Exploration(scenario, options, execution).run();
     result.order_sites = execution.order_sites();
     result.allocates = execution.allocates();
   }
