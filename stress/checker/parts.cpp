@@ -4,16 +4,14 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstring>
 #include <poll.h>
 #include <sched.h>
 #include <stdexcept>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "stress/checker/child.hpp"
 #include "stress/checker/result_bytes.hpp"
 
 namespace irt::checker {
@@ -90,8 +88,7 @@ std::string work(const Scenario& scenario, Options options, Shared& shared) {
 
 /// A child and what it has sent so far.
 struct Part {
-  pid_t process = -1;
-  int pipe = -1;
+  Child child;
   std::string sent{};
   std::uint64_t made = 0;  ///< when it last went on ...
   double since = 0;        ///< ... and when that was
@@ -100,23 +97,17 @@ struct Part {
 class Parts {
  public:
   Parts(const Scenario& scenario, const Options& options, unsigned count) : options_(options) {
-    std::fflush(nullptr);
-    for (unsigned part = 0; part < count; ++part) start(scenario, part, count);
-  }
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
-  /// Ends those that still run, as after an error.
-  ~Parts() {
-    for (const Part& part : parts_) {
-      if (part.pipe >= 0) close(part.pipe);
-      if (part.process < 0) continue;
-      kill(part.process, SIGKILL);
-      waitpid(part.process, nullptr, 0);
-    }
+    for (unsigned part = 0; part < count; ++part)
+      parts_.push_back({.child = Child([&](int pipe) {
+                          const std::string bytes =
+                              work(scenario, options_of(part, count), *shared_.operator->());
+                          send_bytes(pipe, bytes.data(), bytes.size());
+                        })});
   }
 
   Result results() {
-    while (std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return p.pipe >= 0; })) {
+    while (std::any_of(parts_.begin(), parts_.end(),
+                       [](const Part& p) { return p.child.pipe() >= 0; })) {
       listen();
       tell();
     }
@@ -124,50 +115,31 @@ class Parts {
   }
 
  private:
-  void start(const Scenario& scenario, unsigned number, unsigned count) {
-    int ends[2];
-    const pid_t parent = getpid();
-    if (pipe(ends) != 0) fail("pipe");
-    const pid_t child = fork();
-    if (child < 0) fail("fork");
-    if (child != 0) {
-      close(ends[1]);
-      parts_.push_back({.process = child, .pipe = ends[0]});
-      return;
-    }
-    // Whoever ends the parent, the children go with it.
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(1);
-    close(ends[0]);
+  [[nodiscard]] Options options_of(unsigned part, unsigned count) const {
     Options options = options_;
-    options.shard = number;
+    options.shard = part;
     options.shards = count;
-    options.executions = options.executions == ~std::uint64_t{0}
-                             ? options.executions
-                             : options.executions / count + (number < options.executions % count);
-    const std::string bytes = work(scenario, std::move(options), *shared_.operator->());
-    for (std::size_t at = 0; at < bytes.size();) {
-      const ssize_t written = write(ends[1], bytes.data() + at, bytes.size() - at);
-      if (written < 0 && errno != EINTR) _exit(1);
-      at += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
-    }
-    _exit(0);
+    if (options.executions != ~std::uint64_t{0})
+      options.executions = options_.executions / count + (part < options_.executions % count);
+    return options;
   }
 
   /// Takes in what has come, and waits a little if that is nothing.
   void listen() {
     std::vector<pollfd> open;
-    for (const Part& part : parts_) open.push_back({part.pipe, POLLIN, 0});
-    if (poll(open.data(), open.size(), 200) < 0 && errno != EINTR) fail("poll");
+    for (const Part& part : parts_) open.push_back({part.child.pipe(), POLLIN, 0});
+    if (poll(open.data(), open.size(), 200) < 0 && errno != EINTR)
+      throw std::runtime_error(std::string("cannot listen to the parts of a search: ") +
+                               std::strerror(errno));
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       Part& part = parts_[i];
-      if (part.pipe < 0) continue;
+      if (part.child.pipe() < 0) continue;
       if (open[i].revents == 0) {
         watch(i);
         continue;
       }
       char buffer[1 << 16];
-      const ssize_t count = read(part.pipe, buffer, sizeof buffer);
+      const ssize_t count = read(part.child.pipe(), buffer, sizeof buffer);
       if (count > 0) part.sent.append(buffer, static_cast<std::size_t>(count));
       if (count == 0 || (count < 0 && errno != EINTR)) end(i);
     }
@@ -175,21 +147,8 @@ class Parts {
 
   void end(std::size_t number) {
     Part& part = parts_[number];
-    close(part.pipe);
-    part.pipe = -1;
-    int status = 0;
-    waitpid(part.process, &status, 0);
-    part.process = -1;
-    const std::string name = this->name(number);
-    if (WIFSIGNALED(status))
-      throw std::runtime_error(name + " crashed: signal " + std::to_string(WTERMSIG(status)) +
-                               " (" + strsignal(WTERMSIG(status)) +
-                               "); that is a fault of the checker or of compiled code that the "
-                               "queue calls; --jobs 1 runs in one process, for a debugger");
-    if (WEXITSTATUS(status) == no_verdict) _exit(no_verdict);  // it has said why
-    if (WEXITSTATUS(status) != 0 || part.sent.empty())
-      throw std::runtime_error(name + " ended with status " + std::to_string(WEXITSTATUS(status)) +
-                               " and without a result");
+    part.child.join(name(number));
+    if (part.sent.empty()) throw std::runtime_error(name(number) + " ended without a result");
     if (part.sent.front() == 'e') throw std::runtime_error(part.sent.substr(1));
   }
 
@@ -268,10 +227,6 @@ class Parts {
   [[nodiscard]] std::string name(std::size_t number) const {
     return "part " + std::to_string(number) + " of " + std::to_string(parts_.size()) +
            " of the search";
-  }
-  [[noreturn]] static void fail(const char* call) {
-    throw std::runtime_error(std::string("cannot divide the search: ") + call + ": " +
-                             std::strerror(errno) + "; --jobs 1 needs no other process");
   }
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

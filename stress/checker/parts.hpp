@@ -9,9 +9,6 @@
 
 namespace irt::checker {
 
-/// The exit code of a process that can say nothing of the code it was to look at, and has said why.
-inline constexpr int no_verdict = 3;
-
 /// Processors that this process may use, at least 1.
 unsigned processors();
 

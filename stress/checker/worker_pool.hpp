@@ -1,16 +1,17 @@
 /// Numbered pieces of work by several processes, and what they come to in the order of the numbers.
 ///
-/// The state of virtual cores is global to a process, so that each worker is a forked child. Worker
-/// w of n makes the pieces w, w + n, w + 2n, ...: who is done sooner does not change who makes
-/// what. Results wait in pipes, which bounds how far a worker is ahead.
+/// Each worker is a forked child. Worker w of n makes the pieces w, w + n, w + 2n, ...: who is done
+/// sooner does not change who makes what. Results wait in pipes, which bounds how far a worker is
+/// ahead.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
-#include <sys/types.h>
 #include <vector>
+
+#include "stress/checker/child.hpp"
 
 namespace irt::checker {
 
@@ -21,27 +22,16 @@ class WorkerPool {
 
   /// Starts the workers. A piece for which one needs more than `patience` seconds is taken to hang.
   WorkerPool(unsigned workers, double patience, const Work& work);
-  WorkerPool(const WorkerPool&) = delete;
-  WorkerPool& operator=(const WorkerPool&) = delete;
-  /// Ends the workers, whatever they do.
-  ~WorkerPool();
 
   /// What the next piece came to; none if its worker has stopped. Throws std::runtime_error with
   /// what `work` threw, or if the worker crashed or hangs.
   std::optional<std::string> next();
 
  private:
-  struct Worker {
-    pid_t process = -1;
-    int pipe = -1;
-  };
-
-  void start(std::uint64_t first, std::uint64_t step, const Work& work);
-  void take(Worker& worker, void* bytes, std::size_t size) const;
-  [[noreturn]] static void ended(Worker& worker);
+  void take(Child& worker, void* bytes, std::size_t size) const;
 
   double patience_;
-  std::vector<Worker> workers_;
+  std::vector<Child> workers_;
   std::uint64_t next_ = 0;
 };
 
