@@ -11,6 +11,11 @@ namespace irt::findings {
 
 namespace {
 
+void wait_until_ready() {
+  std::unique_lock l(m);
+  condition.wait(l, [] { return ready; });
+}
+
 const Program programs[] = {
     {"deadlock",
      "deadlock",
@@ -239,10 +244,7 @@ const Program programs[] = {
       }}},
     {"condition",
      "",
-     {[] {
-        std::unique_lock l(m);
-        condition.wait(l, [] { return ready; });
-      },
+     {wait_until_ready,
       [] {
         {
           const std::lock_guard l(m);
@@ -262,14 +264,7 @@ const Program programs[] = {
       }}},
     {"one notification for two",
      "deadlock",
-     {[] {
-        std::unique_lock l(m);
-        condition.wait(l, [] { return ready; });
-      },
-      [] {
-        std::unique_lock l(m);
-        condition.wait(l, [] { return ready; });
-      },
+     {wait_until_ready, wait_until_ready,
       [] {
         const std::lock_guard l(m);
         ready = true;
@@ -277,14 +272,7 @@ const Program programs[] = {
       }}},
     {"all are notified",
      "",
-     {[] {
-        std::unique_lock l(m);
-        condition.wait(l, [] { return ready; });
-      },
-      [] {
-        std::unique_lock l(m);
-        condition.wait(l, [] { return ready; });
-      },
+     {wait_until_ready, wait_until_ready,
       [] {
         const std::lock_guard l(m);
         ready = true;
