@@ -8,20 +8,14 @@
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/queue_client.hpp"
 #include "stress/checker/verdict.hpp"
+#include "tests/stress/checker/probe_entries.hpp"
 
 namespace irt::checker {
 namespace {
 
 class DefaultCheck : public testing::Test {
  protected:
-  const QueueEntry& entry(std::string_view name) {
-    unsigned count = 0;
-    const auto* entries =
-        module_.function<const QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
-    for (unsigned i = 0; i < count; ++i)
-      if (entries[i].name == name) return entries[i];
-    throw std::invalid_argument("no such queue");
-  }
+  const QueueEntry& entry(std::string_view name) { return probe_entry(module_, name); }
 
   QueueResult check(std::string_view queue, CheckSettings settings) {
     settings.quiet = true;

@@ -1,112 +1,15 @@
 // Each queue of tests/stress/cases gets its right verdict from what `irt check` does by default:
-// broken ones the right kind of finding, healthy ones none. A case stands for its kind; its sisters
-// are rows beside it.
+// broken ones the right kind of finding, healthy ones none.
+
+#include "tests/stress/checker/cases.hpp"
 
 #include <gtest/gtest.h>
 #include <sstream>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
-
-#include "stress/checker/queue_check.hpp"
 
 namespace irt::checker {
 namespace {
-
-struct Case {
-  std::string_view queue;
-  std::vector<FindingKind> right;  ///< any of these; none: healthy
-};
-
-// clang-format off
-const std::vector<Case> cases{
-    {"waits-for-recycled-bug", {FindingKind::livelock}},
-    {"waits-for-recycled-counted-bug", {FindingKind::livelock}},
-    {"waits-for-recycled-stored-bug", {FindingKind::livelock}},
-    {"waits-for-recycled-fixed", {}},
-    {"one-short-bug", {FindingKind::wrong_outcome}},
-    {"one-short-producers-bug", {FindingKind::wrong_outcome}},
-    {"one-short-unordered-bug", {FindingKind::wrong_outcome}},
-    {"one-short-fixed", {}},
-    {"unpublished-bug", {FindingKind::data_race}},
-    {"unpublished-fixed", {}},
-    {"dropped-list-uses-bug", {FindingKind::use_after_free}},
-    {"dropped-list-leaks-bug", {FindingKind::leak}},
-    {"dropped-list-twice-bug", {FindingKind::double_free}},
-    {"dropped-list-fixed", {}},
-    {"dropped-ring-looks-bug", {FindingKind::livelock}},
-    {"dropped-ring-wipes-bug", {FindingKind::livelock}},
-    {"dropped-ring-fixed", {}},
-    {"long-spin", {}},
-    {"notified-twice-bug", {FindingKind::deadlock}},
-    {"notified-twice-fixed", {}},
-    {"shared-line-bug", {}},  // it is slow, and right
-    {"shared-line-fixed", {}},
-    {"chase", {}},
-    {"many-sc", {}},
-    {"load-time", {}},
-    {"load-time-grown", {}},
-    {"registry", {}},
-    {"narrow-index-bug", {FindingKind::wrong_outcome}},
-    {"narrow-index-16-bug", {FindingKind::wrong_outcome}},
-    {"narrow-index-fixed", {}},
-    {"failed-growth-bug", {FindingKind::livelock}},
-    {"failed-growth-fixed", {}},
-    {"tagged-top", {}},
-    {"tagged-low", {}},
-    {"tagged-inside", {}},
-    {"tagged-bug", {FindingKind::leak}},
-    {"call-result-bug", {FindingKind::data_race}},
-    {"call-result-fixed", {}},
-    {"sanitizer-macro-bug", {FindingKind::data_race}},
-    {"list-queue", {}},
-    {"endless-wait-bug", {FindingKind::livelock}},
-    {"endless-pause-bug", {FindingKind::livelock}},
-    {"endless-yield-bug", {FindingKind::livelock}},
-    {"endless-call-bug", {FindingKind::livelock}},
-    {"endless-rounds-bug", {FindingKind::livelock}},
-    {"endless-fixed", {}},
-    {"computes-a-while", {}},
-    {"traps-bug", {FindingKind::failure}},
-    {"divides-bug", {FindingKind::failure}},
-    {"breaks-bug", {FindingKind::failure}},
-    {"traps-fixed", {}},
-};
-// clang-format on
-
-class Cases : public testing::Test {
- protected:
-  const QueueEntry& entry(std::string_view name) {
-    unsigned count = 0;
-    const auto* entries =
-        module_.function<const QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
-    for (unsigned i = 0; i < count; ++i)
-      if (entries[i].name == name) return entries[i];
-    throw std::invalid_argument("no such case");
-  }
-
-  QueueResult check(std::string_view queue, double seconds, bool reports = false) {
-    CheckSettings settings;
-    settings.quiet = true;
-    settings.reports = reports;
-    settings.seconds = seconds;
-    return check_queue(entry(queue), module_, settings, "");
-  }
-
-  /// "livelock on EE:DE|D", or "nothing".
-  static std::string finding_of(const QueueResult& result, FindingKind* kind = nullptr) {
-    for (const ShapeResult& shape : result.shapes) {
-      if (!shape.result.finding) continue;
-      if (kind != nullptr) *kind = shape.result.finding->kind;
-      return std::string(name_of(shape.result.finding->kind)) + " on " + shape.shape + ": " +
-             shape.result.finding->text;
-    }
-    return "nothing";
-  }
-
-  virtual_cores::Module module_{IRT_CASES_PROBE};
-};
 
 TEST_F(Cases, broken_ones_are_found_as_what_they_are) {
   for (const Case& c : cases) {
@@ -159,7 +62,7 @@ TEST_F(Cases, what_was_wrong_is_in_the_columns_which_a_terminal_can_show) {
   }
 }
 
-// A check by default has 50 s for each; what accuses falsely mostly does so at once.
+// cases_full_test.cpp gives them the default time.
 TEST_F(Cases, healthy_ones_are_not_accused) {
   for (const Case& c : cases) {
     if (!c.right.empty()) continue;

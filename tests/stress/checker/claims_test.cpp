@@ -7,20 +7,14 @@
 #include <string_view>
 
 #include "stress/checker/queue_check.hpp"
+#include "tests/stress/checker/probe_entries.hpp"
 
 namespace irt::checker {
 namespace {
 
 class ClaimsTest : public testing::Test {
  protected:
-  const QueueEntry& entry(std::string_view name) {
-    unsigned count = 0;
-    const auto* entries =
-        module_.function<const QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
-    for (unsigned i = 0; i < count; ++i)
-      if (entries[i].name == name) return entries[i];
-    throw std::invalid_argument("no such queue");
-  }
+  const QueueEntry& entry(std::string_view name) { return probe_entry(module_, name); }
 
   /// What one shape, searched whole, brings to light; empty if nothing.
   std::string finding(std::string_view queue, std::string_view shape) {

@@ -10,6 +10,7 @@
 #include "stress/checker/parts.hpp"
 #include "stress/checker/progress.hpp"
 #include "stress/checker/queue_client.hpp"
+#include "tests/stress/checker/probe_entries.hpp"
 
 namespace {
 
@@ -18,12 +19,7 @@ namespace checker = irt::checker;
 class Queues : public testing::Test {
  protected:
   const irt::QueueEntry& entry(std::string_view name) {
-    unsigned count = 0;
-    const auto* entries =
-        module_.function<const irt::QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
-    for (unsigned i = 0; i < count; ++i)
-      if (entries[i].name == name) return entries[i];
-    throw std::invalid_argument("no such queue");
+    return checker::probe_entry(module_, name);
   }
 
   checker::Result check(std::string_view queue, std::string_view shape,

@@ -2,6 +2,7 @@
 
 #include "stress/checker/parts.hpp"
 #include "stress/checker/queue_client.hpp"
+#include "tests/stress/checker/probe_entries.hpp"
 #include "tests/stress/checker/twin_programs.hpp"
 
 namespace {
@@ -11,12 +12,8 @@ using irt::twins::Tally;
 
 class Twins : public irt::twins::TwinPrograms {
  protected:
-  const irt::QueueEntry& entry(std::string_view queue) {
-    unsigned count = 0;
-    const auto* entries =
-        module_.function<const irt::QueueEntry*(unsigned*)>("irt_probe_entries")(&count);
-    return *std::find_if(entries, entries + count,
-                         [queue](const irt::QueueEntry& e) { return e.name == queue; });
+  const irt::QueueEntry& entry(std::string_view name) {
+    return checker::probe_entry(module_, name);
   }
 
   checker::Result check(std::string_view queue, std::string_view shape, bool symmetry,

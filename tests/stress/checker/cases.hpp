@@ -1,0 +1,102 @@
+/// The queues of tests/stress/cases, each with its right verdict. A case stands for its kind; its
+/// sisters are rows beside it.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stress/checker/queue_check.hpp"
+#include "tests/stress/checker/probe_entries.hpp"
+
+namespace irt::checker {
+
+struct Case {
+  std::string_view queue;
+  std::vector<FindingKind> right;  ///< any of these; none: healthy
+};
+
+// clang-format off
+inline const std::vector<Case> cases{
+    {"waits-for-recycled-bug", {FindingKind::livelock}},
+    {"waits-for-recycled-counted-bug", {FindingKind::livelock}},
+    {"waits-for-recycled-stored-bug", {FindingKind::livelock}},
+    {"waits-for-recycled-fixed", {}},
+    {"one-short-bug", {FindingKind::wrong_outcome}},
+    {"one-short-producers-bug", {FindingKind::wrong_outcome}},
+    {"one-short-unordered-bug", {FindingKind::wrong_outcome}},
+    {"one-short-fixed", {}},
+    {"unpublished-bug", {FindingKind::data_race}},
+    {"unpublished-fixed", {}},
+    {"dropped-list-uses-bug", {FindingKind::use_after_free}},
+    {"dropped-list-leaks-bug", {FindingKind::leak}},
+    {"dropped-list-twice-bug", {FindingKind::double_free}},
+    {"dropped-list-fixed", {}},
+    {"dropped-ring-looks-bug", {FindingKind::livelock}},
+    {"dropped-ring-wipes-bug", {FindingKind::livelock}},
+    {"dropped-ring-fixed", {}},
+    {"long-spin", {}},
+    {"notified-twice-bug", {FindingKind::deadlock}},
+    {"notified-twice-fixed", {}},
+    {"shared-line-bug", {}},  // it is slow, and right
+    {"shared-line-fixed", {}},
+    {"chase", {}},
+    {"many-sc", {}},
+    {"load-time", {}},
+    {"load-time-grown", {}},
+    {"registry", {}},
+    {"narrow-index-bug", {FindingKind::wrong_outcome}},
+    {"narrow-index-16-bug", {FindingKind::wrong_outcome}},
+    {"narrow-index-fixed", {}},
+    {"failed-growth-bug", {FindingKind::livelock}},
+    {"failed-growth-fixed", {}},
+    {"tagged-top", {}},
+    {"tagged-low", {}},
+    {"tagged-inside", {}},
+    {"tagged-bug", {FindingKind::leak}},
+    {"call-result-bug", {FindingKind::data_race}},
+    {"call-result-fixed", {}},
+    {"sanitizer-macro-bug", {FindingKind::data_race}},
+    {"list-queue", {}},
+    {"endless-wait-bug", {FindingKind::livelock}},
+    {"endless-pause-bug", {FindingKind::livelock}},
+    {"endless-yield-bug", {FindingKind::livelock}},
+    {"endless-call-bug", {FindingKind::livelock}},
+    {"endless-rounds-bug", {FindingKind::livelock}},
+    {"endless-fixed", {}},
+    {"computes-a-while", {}},
+    {"traps-bug", {FindingKind::failure}},
+    {"divides-bug", {FindingKind::failure}},
+    {"breaks-bug", {FindingKind::failure}},
+    {"traps-fixed", {}},
+};
+// clang-format on
+
+class Cases : public testing::Test {
+ protected:
+  const QueueEntry& entry(std::string_view name) { return probe_entry(module_, name); }
+
+  QueueResult check(std::string_view queue, double seconds, bool reports = false) {
+    CheckSettings settings;
+    settings.quiet = true;
+    settings.reports = reports;
+    settings.seconds = seconds;
+    return check_queue(entry(queue), module_, settings, "");
+  }
+
+  /// "livelock on EE:DE|D", or "nothing".
+  static std::string finding_of(const QueueResult& result, FindingKind* kind = nullptr) {
+    for (const ShapeResult& shape : result.shapes) {
+      if (!shape.result.finding) continue;
+      if (kind != nullptr) *kind = shape.result.finding->kind;
+      return std::string(name_of(shape.result.finding->kind)) + " on " + shape.shape + ": " +
+             shape.result.finding->text;
+    }
+    return "nothing";
+  }
+
+  virtual_cores::Module module_{IRT_CASES_PROBE};
+};
+
+}  // namespace irt::checker
