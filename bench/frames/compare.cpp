@@ -284,28 +284,33 @@ class Comparison {
   }
 
   // What a frame of a repetition takes with each number of threads, by the wall clock, hash and
-  // all. The first frame, which finds nothing in the caches, takes a small scene many times that;
-  // of a long one it tells enough.
+  // all. The first frame finds nothing in the caches and may be disturbed, so of a small scene it
+  // says many times that; only of a long one it tells enough.
   std::vector<double> later_frames(Workload& workload, double first) {
     const auto parts = static_cast<double>(plan_.workloads.size() * plan_.threads.size());
     const double enough = std::clamp(0.05 * options_.seconds / parts, 0.02, 0.5);
     std::vector<double> seconds;
     for (const unsigned threads : plan_.threads) {
       const double expected = first / std::min<double>(threads, settle_threads(0));
-      const bool known = plan_.frames != 0 || expected >= enough;
-      seconds.push_back(known ? expected : frame_seconds(workload, threads, enough / expected));
+      const bool known = plan_.frames != 0 || expected >= std::max(2 * enough, 0.25);
+      seconds.push_back(known ? expected : frame_seconds(workload, threads, expected, enough));
     }
     return seconds;
   }
 
-  double frame_seconds(Workload& workload, unsigned threads, double most) {
-    const auto frames = static_cast<unsigned>(std::clamp(most, 4.0, 1000.0));
+  // The median of as many frames as fit into `enough` seconds if each takes `expected`, of three at
+  // least; `expected` if interrupted.
+  double frame_seconds(Workload& workload, unsigned threads, double expected, double enough) {
+    const auto frames = static_cast<unsigned>(std::clamp(enough / expected, 3.0, 1000.0));
+    std::vector<double> seconds;
     Clock::time_point begin = Clock::now();
     take_sample(workload, built_in_queues().front(),
                 {.threads = threads, .warmup = 1, .frames = frames}, cancel_, [&](bool counted) {
-                  if (!counted) begin = Clock::now();
+                  const Clock::time_point now = Clock::now();
+                  if (counted) seconds.push_back(std::chrono::duration<double>(now - begin).count());
+                  begin = now;
                 });
-    return std::chrono::duration<double>(Clock::now() - begin).count() / frames;
+    return seconds.empty() ? expected : quantile(std::move(seconds), 0.5);
   }
 
   static void answer(const nlohmann::json& value) { fmt::print("{}", value.dump()); }
