@@ -36,4 +36,18 @@ foreign_room_is_found() {
   [[ $(wc -l <"$work/out") -eq 2 ]] || fail "not both found"
 }
 
+upward_include_within_a_room_is_found() {
+  local many_core=$work/tree/bench/many_core
+  mkdir -p "$many_core/coherence" "$many_core/machine"
+  echo '#include "bench/many_core/coherence/directory.hpp"' >"$many_core/machine/good.hpp"
+  echo '#include "bench/results/record.hpp"' >"$many_core/coherence/good.hpp"
+  echo '#include "bench/many_core/machine/machine.hpp"' >"$many_core/main.cpp"
+  check "$work/tree"
+  expect_code 0
+  echo '#include "bench/many_core/machine/thread.hpp"' >"$many_core/coherence/bad.hpp"
+  check "$work/tree"
+  expect_code 1
+  expect_in out 'bench/many_core/coherence/ may not include "bench/many_core/machine/thread.hpp"'
+}
+
 run_case "$@"

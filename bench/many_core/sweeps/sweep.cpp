@@ -1,0 +1,350 @@
+#include "bench/many_core/sweeps/sweep.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fmt/format.h>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "bench/conditions/conditions.hpp"
+#include "bench/frames/interrupt.hpp"
+#include "bench/frames/text_files.hpp"
+#include "bench/many_core/sweeps/children.hpp"
+#include "bench/many_core/sweeps/runs.hpp"
+#include "bench/many_core/workloads/contended.hpp"
+#include "queues/nearest.hpp"
+#include "queues/work_queue.hpp"
+
+namespace irt::many_core {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// More threads than this do not fit into the memory of a small host.
+constexpr unsigned most_threads = 1024;
+
+std::filesystem::path build_directory() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path().parent_path();
+}
+
+std::filesystem::path primitives_module() {
+  return build_directory() / "bench/many_core/workloads/irt_contended.so";
+}
+
+constexpr std::string_view queue_prefix = "irt_checked_";
+
+std::filesystem::path queue_module(const std::string& name) {
+  return build_directory() / "stress/checker" / (std::string(queue_prefix) + name + ".so");
+}
+
+unsigned parse_count(std::string_view text, std::string_view all) {
+  unsigned value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value == 0 ||
+      value > most_threads)
+    throw UsageError(
+        fmt::format("--cores {}: \"{}\" is no count from 1 to {}; give a range as "
+                    "1..128 or a list as 1,2,4",
+                    all, text, most_threads));
+  return value;
+}
+
+template <class T, std::size_t n>
+T parse_name(std::string_view kind, std::string_view name, const std::array<T, n>& all) {
+  std::vector<std::string_view> names;
+  for (const T each : all) {
+    if (name_of(each) == name) return each;
+    names.push_back(name_of(each));
+  }
+  throw UsageError(unknown_name(kind, name, names));
+}
+
+}  // namespace
+
+std::vector<std::string> queue_names() {
+  std::vector<std::string> names;
+  const std::filesystem::path directory = build_directory() / "stress/checker";
+  if (!std::filesystem::is_directory(directory)) return names;
+  for (const auto& file : std::filesystem::directory_iterator(directory)) {
+    const std::string name = file.path().filename().string();
+    if (name.starts_with(queue_prefix) && name.ends_with(".so"))
+      names.push_back(name.substr(queue_prefix.size(), name.size() - queue_prefix.size() - 3));
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+std::vector<std::pair<std::string, std::string>> primitives() {
+  const virtual_cores::Module module(primitives_module());
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const Contended& each :
+       all_contended(module.function<decltype(irt_contended)>("irt_contended")))
+    all.emplace_back(each.name, each.summary);
+  return all;
+}
+
+std::filesystem::path module_of(const std::string& subject, bool primitive) {
+  std::vector<std::string> known = queue_names();
+  if (primitive) {
+    known.clear();
+    for (const auto& each : primitives()) known.push_back(each.first);
+  }
+  const std::vector<std::string_view> names(known.begin(), known.end());
+  if (std::ranges::find(names, subject) == names.end())
+    throw UsageError(unknown_name(primitive ? "primitive" : "queue", subject, names));
+  return primitive ? primitives_module() : queue_module(subject);
+}
+
+std::vector<unsigned> parse_cores(std::string_view text) {
+  std::vector<unsigned> counts;
+  if (const auto dots = text.find(".."); dots != std::string_view::npos) {
+    const unsigned first = parse_count(text.substr(0, dots), text);
+    const unsigned last = parse_count(text.substr(dots + 2), text);
+    if (last < first)
+      throw UsageError(fmt::format("--cores {}: the range ends before it begins", text));
+    // 1, 2, 3, 4, 6, 8, 12, ...: two steps to each doubling.
+    for (unsigned power = 1; power <= last; power *= 2) {
+      for (const unsigned count : {power, power + power / 2})
+        if (count >= first && count <= last) counts.push_back(count);
+    }
+    counts.push_back(first);
+    counts.push_back(last);
+  } else {
+    for (std::size_t at = 0; at <= text.size();) {
+      const std::size_t end = std::min(text.find(',', at), text.size());
+      counts.push_back(parse_count(text.substr(at, end - at), text));
+      at = end + 1;
+    }
+  }
+  std::ranges::sort(counts);
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  return counts;
+}
+
+Scenario parse_scenario(std::string_view name) {
+  return parse_name("scenario", name,
+                    std::array{Scenario::pairs, Scenario::sides, Scenario::bursts});
+}
+
+Placement parse_placement(std::string_view name) {
+  return parse_name("placement", name,
+                    std::array{Placement::close, Placement::siblings, Placement::spread});
+}
+
+namespace {
+
+// What tells one simulated run from another. The code of the queue is none of it: resume only with
+// the same build.
+std::string key_of(const Task& task, std::uint64_t seed) {
+  const Point& p = task.point;
+  return fmt::format("{} {} {} threads={} producers={} work={} capacity={} {} time={}+{} seed={}",
+                     to_text(*task.profile), p.subject, name_of(p.scenario), p.threads, p.producers,
+                     p.work_ns, p.capacity, name_of(p.placement), p.warm_up_ns, p.measured_ns,
+                     seed);
+}
+
+std::map<std::string, nlohmann::json> read_journal(const std::filesystem::path& file) {
+  std::map<std::string, nlohmann::json> known;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    const nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
+    if (entry.is_object()) known[entry.value("key", "")] = entry["result"];
+  }
+  return known;
+}
+
+nlohmann::json to_json(const ChildResult& result) {
+  if (result.status == "ok") return nlohmann::json::parse(result.text);
+  return {{"status", result.status},
+          {"message", result.status == "failed" ? result.text + result.message : result.message}};
+}
+
+}  // namespace
+
+bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
+                  const std::filesystem::path& journal, const std::atomic<bool>& interrupted,
+                  const std::function<void(std::size_t, const Json&)>& done) {
+  struct Run {
+    std::size_t task;
+    std::uint64_t seed;
+  };
+  std::map<std::string, nlohmann::json> known;
+  std::ofstream out;
+  if (!journal.empty()) {
+    if (options.resume) known = read_journal(journal);
+    out.open(journal, options.resume ? std::ios::app : std::ios::trunc);
+    if (!out) throw UsageError(fmt::format("{}: cannot be written", journal.string()));
+  }
+  // By seed, whichever is done first.
+  std::vector<std::map<std::uint64_t, nlohmann::json>> results(tasks.size());
+  const auto add = [&](std::size_t task, std::uint64_t seed, const nlohmann::json& result) {
+    results[task][seed] = result;
+    if (results[task].size() != tasks[task].seeds) return;
+    std::vector<nlohmann::json> in_order;
+    for (const auto& [number, one] : results[task]) in_order.push_back(one);
+    done(task, summarise(*tasks[task].profile, tasks[task].point, in_order));
+  };
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    for (std::uint64_t seed = tasks[i].first_seed; seed < tasks[i].first_seed + tasks[i].seeds;
+         ++seed) {
+      const auto found = known.find(key_of(tasks[i], seed));
+      if (found != known.end()) {
+        add(i, seed, found->second);
+      } else {
+        runs.push_back({i, seed});
+      }
+    }
+  }
+  const unsigned jobs =
+      options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
+  run_in_children(
+      runs.size(), jobs, options.timeout_s,
+      [&](std::size_t i) {
+        const Task& task = tasks[runs[i].task];
+        return simulate(*task.profile, task.point, runs[i].seed, runs[i].seed == task.first_seed)
+            .dump();
+      },
+      [&](std::size_t i, const ChildResult& child) {
+        const nlohmann::json result = to_json(child);
+        if (out.is_open())
+          out << nlohmann::json{{"key", key_of(tasks[runs[i].task], runs[i].seed)},
+                                {"result", result}}
+                     .dump()
+              << std::endl;
+        add(runs[i].task, runs[i].seed, result);
+      },
+      interrupted);
+  return !interrupted;
+}
+
+namespace {
+
+// What a module claims; nothing where it does not load.
+std::optional<Claims> claims_of(const std::filesystem::path& file) {
+  try {
+    const virtual_cores::Module module(file);
+    return module.function<const QueueEntry*()>("irt_queue_entry")()->claims;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+// Why a queue cannot be run in a scenario, by its claims; empty if it can.
+std::string obstacle(const Point& point) {
+  if (point.scenario == Scenario::primitive || point.threads == 1) return {};
+  const std::optional<Claims> read = claims_of(point.module);
+  if (!read) return {};  // to be told by each of its points
+  const Claims& claims = *read;
+  if (!claims.allows_workers(point.threads))
+    return "the queue is for at most " + std::to_string(claims.max_workers) + " workers";
+  if (claims.consumers == Callers::own_worker && point.scenario == Scenario::sides)
+    return "what a worker pushes only that worker can pop";
+  const bool several = point.scenario != Scenario::sides;
+  if (claims.producers == Callers::one && (several || point.producers > 1))
+    return "the queue is for one producer";
+  if (claims.consumers == Callers::one && (several || point.threads - point.producers > 1))
+    return "the queue is for one consumer";
+  return {};
+}
+
+std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile> profiles) {
+  std::vector<std::pair<std::string, bool>> subjects;  // with whether it is a primitive
+  for (const std::string& name : options.primitives) subjects.emplace_back(name, true);
+  for (const std::string& name : options.subjects) subjects.emplace_back(name, false);
+  if (subjects.empty())
+    for (const std::string& name : queue_names()) subjects.emplace_back(name, false);
+  std::vector<Task> tasks;
+  for (const Profile& profile : profiles) {
+    for (const auto& [name, primitive] : subjects) {
+      Point point{.subject = name,
+                  .module = module_of(name, primitive),
+                  .scenario = primitive ? Scenario::primitive : options.scenario,
+                  .work_ns = options.work_ns,
+                  .capacity = options.capacity,
+                  .placement = options.placement,
+                  .warm_up_ns = options.measured_ns / 5,
+                  .measured_ns = options.measured_ns};
+      for (const unsigned threads : options.cores) {
+        point.threads = threads;
+        if (point.scenario == Scenario::sides && threads < 2) continue;
+        point.producers = threads / 2;
+        const std::string why = obstacle(point);
+        if (why.empty()) {
+          tasks.push_back({&profile, point, options.seeds, options.first_seed});
+        } else if (&profile == profiles.data()) {
+          fmt::print(stderr, "{} with {} threads is left out of {}: {}\n", name, threads,
+                     name_of(point.scenario), why);
+        }
+      }
+    }
+  }
+  if (tasks.empty()) throw UsageError("nothing to simulate: no queue fits the scenario");
+  return tasks;
+}
+
+// Those of each queue at its most threads.
+void print_hot_lines(std::FILE* people, const Json& runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool last = i + 1 == runs.size() || runs[i + 1]["queue"] != runs[i]["queue"];
+    const std::string text = last ? hot_lines_text(runs[i]) : "";
+    if (!text.empty()) fmt::print(people, "{}\n", text);
+  }
+}
+
+}  // namespace
+
+int simulate_sweep(const SweepOptions& options, const std::atomic<bool>& interrupted) {
+  std::vector<Profile> profiles;
+  for (const std::string& name : options.machines) profiles.push_back(load_profile(name));
+  const std::vector<Task> tasks = tasks_of(options, profiles);
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) throw UsageError(fmt::format("--out {}: {}", options.out.string(), error.message()));
+  const nlohmann::json surroundings = conditions();
+  std::vector<Json> runs(tasks.size());
+  std::size_t through = 0;
+  bool findings = false;
+  const bool complete =
+      simulate_all(tasks, options, options.out / "simulate.journal", interrupted,
+                   [&](std::size_t i, const Json& run) {
+                     runs[i] = run;
+                     runs[i]["conditions"] = surroundings;
+                     findings |= run["status"] != "ok";
+                     fmt::print(stderr, "[{}/{}] {} {} {} threads: {}\n", ++through, tasks.size(),
+                                run["machine"].get<std::string>(), run["queue"].get<std::string>(),
+                                run["threads"].get<unsigned>(), run["status"].get<std::string>());
+                   });
+  std::FILE* const people = beside(options.json);
+  Json finished = Json::array();
+  for (const Json& run : runs)
+    if (!run.is_null()) finished.push_back(run);
+  for (const Profile& profile : profiles) {
+    Json of_machine = Json::array();
+    for (const Json& run : finished)
+      if (run["machine"] == profile.name) of_machine.push_back(run);
+    if (of_machine.empty()) continue;
+    fmt::print(people, "simulated: {} ({}), {}, {} ns of work, seeds {} to {}\n", profile.name,
+               profile.summary, of_machine[0]["scenario"].get<std::string>(), options.work_ns,
+               options.first_seed, options.first_seed + options.seeds - 1);
+    fmt::print(people, "{}within {}\n", table(of_machine),
+               of_machine.back()["band"].get<std::string>());
+    print_hot_lines(people, of_machine);
+  }
+  const std::string text = finished.dump(1);
+  write_text(options.out / "simulate.json", text);
+  write_text(options.out / "simulate.csv", finished.empty() ? "" : csv(finished));
+  if (!options.json.empty()) write_text(options.json, text);
+  fmt::print(people, "written: {0}/simulate.json, {0}/simulate.csv\n", options.out.string());
+  if (!complete) return exit_interrupted;
+  return findings ? 1 : 0;
+}
+
+}  // namespace irt::many_core

@@ -1,0 +1,64 @@
+/// Many simulated points: which, on all of the host's cores, kept as they come.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bench/frames/usage_error.hpp"
+#include "bench/many_core/workloads/point.hpp"
+
+namespace irt::many_core {
+
+struct SweepOptions {
+  std::vector<std::string> machines{"granite-rapids-96"}, subjects, primitives;
+  std::vector<unsigned> cores;
+  Scenario scenario = Scenario::pairs;
+  Placement placement = Placement::close;
+  double work_ns = 85, measured_ns = 1e6;
+  std::size_t capacity = 65536;
+  unsigned seeds = 5;
+  std::uint64_t first_seed = 1;
+  double timeout_s = 120;
+  unsigned jobs = 0;  ///< 0: as many as the host has cores
+  std::filesystem::path out = "irt-out", json;
+  bool resume = false;
+};
+
+/// The queues that were built for virtual cores; the primitives, with a line on each.
+std::vector<std::string> queue_names();
+std::vector<std::pair<std::string, std::string>> primitives();
+/// Where the code of a queue or primitive is. Throws UsageError that names the nearest.
+std::filesystem::path module_of(const std::string& subject, bool primitive);
+
+/// "1..128" or "1,2,4". Throws UsageError, as the others do.
+std::vector<unsigned> parse_cores(std::string_view text);
+Scenario parse_scenario(std::string_view name);
+Placement parse_placement(std::string_view name);
+
+/// A point on a machine, with its seeds.
+struct Task {
+  const Profile* profile;
+  Point point;
+  unsigned seeds = 1;
+  std::uint64_t first_seed = 1;
+};
+
+/// Simulates all tasks, several seeds and tasks at once. `done(i, run)` is called as soon as the
+/// last seed of a task is through. Where `journal` is not empty every result is kept there, and
+/// with `resume` those that it has are not simulated again. False if interrupted.
+bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
+                  const std::filesystem::path& journal, const std::atomic<bool>& interrupted,
+                  const std::function<void(std::size_t, const nlohmann::ordered_json&)>& done);
+
+/// `irt simulate`: the sweep that the options ask for. Returns the exit code.
+int simulate_sweep(const SweepOptions& options, const std::atomic<bool>& interrupted);
+
+}  // namespace irt::many_core
