@@ -307,7 +307,8 @@ class Comparison {
     take_sample(workload, built_in_queues().front(),
                 {.threads = threads, .warmup = 1, .frames = frames}, cancel_, [&](bool counted) {
                   const Clock::time_point now = Clock::now();
-                  if (counted) seconds.push_back(std::chrono::duration<double>(now - begin).count());
+                  if (counted)
+                    seconds.push_back(std::chrono::duration<double>(now - begin).count());
                   begin = now;
                 });
     return seconds.empty() ? expected : quantile(std::move(seconds), 0.5);

@@ -7,7 +7,6 @@
 namespace irt::checker {
 
 using virtual_cores::Access;
-using virtual_cores::Operation;
 using virtual_cores::Wake;
 
 namespace {
@@ -230,7 +229,7 @@ Value Execution::load(const Access& access) {
       [](Value) { return Meaning::load; }, [](Value value) { return value; });
 }
 
-Value Execution::modify(const Access& access, Operation operation, Value operand) {
+Value Execution::modify(const Access& access, virtual_cores::Operation operation, Value operand) {
   if (phase_ != Phase::parallel) {
     step_alone(access.address, access.size, true, access.pc);
     return Tenant::modify(access, operation, operand);

@@ -7,16 +7,11 @@
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/report.hpp"
+#include "stress/checker/values.hpp"
 
 namespace irt::checker {
 
 namespace {
-
-const char* name_of(Order order) {
-  static constexpr const char* names[] = {"relaxed", "consume", "acquire",
-                                          "release", "acq_rel", "seq_cst"};
-  return names[static_cast<unsigned>(order)];
-}
 
 /// The next weaker orders that the operation may have.
 std::vector<Order> weaker(const Execution::OrderSite& site) {

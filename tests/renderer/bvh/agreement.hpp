@@ -1,14 +1,23 @@
 /// The one property of every accelerator: the bits of brute force.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <gtest/gtest.h>
+#include <limits>
+#include <memory>
+#include <span>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
+#include "renderer/bvh/executor.hpp"
 #include "tests/renderer/bvh/meshes.hpp"
 
 namespace irt::test {
+
+inline constexpr float inf = std::numeric_limits<float>::infinity();
+inline constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 /// What brute force answers, computed once for all structures.
 struct Expected {
@@ -70,6 +79,37 @@ inline std::uint32_t expect_all_agree(const Mesh& mesh, const Rays& rays,
     expect_agreement(*accelerator, rays, expected);
   }
   return expected.hit_count;
+}
+
+/// The structure `name` with every kernel, packet width and instruction set against brute force;
+/// returns how many rays hit something by the default kernel.
+inline std::uint32_t expect_every_way_agrees(std::string_view name, const Mesh& mesh,
+                                             const Rays& rays) {
+  ThreadExecutor executor(1);
+  const std::array all{1u, 4u, 8u, 16u};
+  const std::span widths = std::span(all).subspan(name == "wald" ? 1 : 0);
+  std::uint32_t hit_count = 0;
+  std::size_t tried = 0;
+  for (const TriangleKernelEntry& kernel : triangle_kernels()) {
+    const Expected expected = brute_force(mesh, rays, {.kernel = kernel.kernel});
+    if (kernel.kernel == TriangleKernel::moller_trumbore) hit_count = expected.hit_count;
+    for (const char* const isa : {"", "sse4", "avx2", "avx512", "neon"}) {
+      for (const unsigned width : widths) {
+        SCOPED_TRACE(::testing::Message() << kernel.name << " " << isa << " width " << width);
+        std::unique_ptr<Accelerator> accelerator;
+        try {
+          accelerator = build(name, mesh, {kernel.kernel, width, isa, &executor});
+        } catch (const std::invalid_argument&) {
+          continue;  // not an instruction set of this machine
+        }
+        ++tried;
+        expect_agreement(*accelerator, rays, expected);
+      }
+    }
+  }
+  // On the machine's best, and on that one by its name.
+  EXPECT_GE(tried, 2 * widths.size() * triangle_kernels().size());
+  return hit_count;
 }
 
 }  // namespace irt::test

@@ -8,9 +8,6 @@
 namespace irt::test {
 namespace {
 
-constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-
 TEST(Degenerate, CoincidentTrianglesGiveTheLowestIndex) {
   Mesh mesh;
   for (int i = 0; i < 5000; ++i) add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});

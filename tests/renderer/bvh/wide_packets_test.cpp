@@ -7,33 +7,6 @@
 namespace irt::test {
 namespace {
 
-/// Traces with every kernel, width and instruction set; returns the number of rays that hit
-/// something by the default kernel.
-std::uint32_t expect_every_way_agrees(const Mesh& mesh, const Rays& rays) {
-  ThreadExecutor executor(1);
-  std::uint32_t hit_count = 0;
-  int tried = 0;
-  for (const TriangleKernelEntry& kernel : triangle_kernels()) {
-    const Expected expected = brute_force(mesh, rays, {.kernel = kernel.kernel});
-    if (kernel.kernel == TriangleKernel::moller_trumbore) hit_count = expected.hit_count;
-    for (const char* const isa : {"", "sse4", "avx2", "avx512", "neon"}) {
-      for (const unsigned width : {1u, 4u, 8u, 16u}) {
-        SCOPED_TRACE(::testing::Message() << kernel.name << " " << isa << " width " << width);
-        std::unique_ptr<Accelerator> accelerator;
-        try {
-          accelerator = build("wide", mesh, {kernel.kernel, width, isa, &executor});
-        } catch (const std::invalid_argument&) {
-          continue;  // not an instruction set of this machine
-        }
-        ++tried;
-        expect_agreement(*accelerator, rays, expected);
-      }
-    }
-  }
-  EXPECT_GE(tried, 2 * 16);  // the machine's best, and that one by its name
-  return hit_count;
-}
-
 /// From `eye` through a square of `side` x `side` pixels around `target`, 4 x 4 at a time.
 Rays pinhole(Vec3 eye, Vec3 target, float opening, std::uint32_t side) {
   const Vec3 ahead = target - eye;
@@ -53,20 +26,21 @@ Rays pinhole(Vec3 eye, Vec3 target, float opening, std::uint32_t side) {
 
 TEST(WidePackets, IncoherentRays) {
   const Mesh mesh = soup(1500, 0.2f);
-  EXPECT_GT(expect_every_way_agrees(mesh, random_rays(mesh, 1500)), 300u);
+  EXPECT_GT(expect_every_way_agrees("wide", mesh, random_rays(mesh, 1500)), 300u);
 }
 
 TEST(WidePackets, PinholeRays) {
   const Mesh mesh = soup(3000, 0.1f);
   const Vec3 eye{0.5f, 0.5f, -2};
-  EXPECT_GT(expect_every_way_agrees(mesh, pinhole(eye, {0.4f, 0.6f, 0.5f}, 0.4f, 32)), 500u);
+  EXPECT_GT(expect_every_way_agrees("wide", mesh, pinhole(eye, {0.4f, 0.6f, 0.5f}, 0.4f, 32)),
+            500u);
 }
 
 /// Directions of all signs in one packet, and zeros.
 TEST(WidePackets, PinholeRaysAlongAnAxis) {
   const Mesh mesh = sphere(24, 32);
-  EXPECT_GT(expect_every_way_agrees(mesh, pinhole({0, 0, -3}, {0, 0, 0}, 0.8f, 32)), 300u);
-  EXPECT_EQ(expect_every_way_agrees(mesh, pinhole({0, 0, 0}, {0, 1, 0}, 3.0f, 16)), 256u);
+  EXPECT_GT(expect_every_way_agrees("wide", mesh, pinhole({0, 0, -3}, {0, 0, 0}, 0.8f, 32)), 300u);
+  EXPECT_EQ(expect_every_way_agrees("wide", mesh, pinhole({0, 0, 0}, {0, 1, 0}, 3.0f, 16)), 256u);
 }
 
 /// As shadow rays: from a light to points on the mesh, where the ray ends or just before.
@@ -82,7 +56,7 @@ TEST(WidePackets, RaysThatEndOnTheMesh) {
     ray.t_max = first.hits.t[i] * (i % 3 == 0 ? 1.0f : i % 3 == 1 ? 1.001f : 0.999f);
     shadow.add(ray, {1, 1, 1}, 0);
   }
-  const std::uint32_t hits = expect_every_way_agrees(mesh, shadow);
+  const std::uint32_t hits = expect_every_way_agrees("wide", mesh, shadow);
   EXPECT_GT(hits, shadow.size / 4);
   EXPECT_LT(hits, shadow.size / 2);
 }
@@ -91,12 +65,11 @@ TEST(WidePackets, BatchesOfAnySize) {
   const Mesh mesh = soup(300, 0.4f);
   for (const std::uint32_t count : {1u, 3u, 4u, 15u, 16u, 17u, 63u, 255u, 257u}) {
     SCOPED_TRACE(count);
-    expect_every_way_agrees(mesh, random_rays(mesh, count, count));
+    expect_every_way_agrees("wide", mesh, random_rays(mesh, count, count));
   }
 }
 
 TEST(WidePackets, GarbageAmongSoundRays) {
-  constexpr float inf = std::numeric_limits<float>::infinity();
   const Mesh mesh = sphere(12, 16);
   Rays rays = pinhole({0.1f, 0.2f, -3}, {0, 0, 0}, 0.3f, 16);
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), inf, -inf};
@@ -107,14 +80,14 @@ TEST(WidePackets, GarbageAmongSoundRays) {
   }
   for (std::uint32_t i = 1; i < rays.size; i += 7) rays.t_max[i] = i % 2 == 0 ? 0.0f : -1.0f;
   for (std::uint32_t i = 2; i < rays.size; i += 7) rays.t_max[i] = bad[0];
-  EXPECT_GT(expect_every_way_agrees(mesh, rays), 100u);
+  EXPECT_GT(expect_every_way_agrees("wide", mesh, rays), 100u);
 }
 
 TEST(WidePackets, CoincidentTrianglesGiveTheLowestIndex) {
   Mesh mesh;
   for (int i = 0; i < 500; ++i) add_triangle(mesh, {-1, -1, 0}, {3, -1, 0}, {-1, 3, 0});
   const Rays rays = pinhole({0.3f, 0.3f, -2}, {0.3f, 0.3f, 0}, 0.3f, 16);
-  EXPECT_EQ(expect_every_way_agrees(mesh, rays), 256u);
+  EXPECT_EQ(expect_every_way_agrees("wide", mesh, rays), 256u);
 }
 
 TEST(WidePackets, AnyScale) {
@@ -122,14 +95,15 @@ TEST(WidePackets, AnyScale) {
     SCOPED_TRACE(scale);
     const Mesh mesh = sphere(12, 16, scale);
     const Vec3 eye{0.5f * scale, 0.4f * scale, -3 * scale};
-    EXPECT_GT(expect_every_way_agrees(mesh, pinhole(eye, {}, 0.5f, 16)), 100u);
+    EXPECT_GT(expect_every_way_agrees("wide", mesh, pinhole(eye, {}, 0.5f, 16)), 100u);
   }
 }
 
 TEST(WidePackets, OneTriangle) {
   Mesh mesh;
   add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  EXPECT_GT(expect_every_way_agrees(mesh, pinhole({0.2f, 0.2f, 1}, {0.3f, 0.3f, 0}, 2, 16)), 20u);
+  EXPECT_GT(expect_every_way_agrees("wide", mesh, pinhole({0.2f, 0.2f, 1}, {0.3f, 0.3f, 0}, 2, 16)),
+            20u);
 }
 
 }  // namespace

@@ -55,8 +55,7 @@ TEST(Collision, AgreesWithOneByOneForEveryQueueAndThreadCount) {
   ASSERT_GT(total, 500u);
 
   const BruteForce accelerator(mesh);
-  for (const QueueEntry& queue :
-       {queue_entry<PlainQueue>("plain"), queue_entry<OwnQueues>("own")}) {
+  for (const QueueEntry& queue : {plain_queue, queue_entry<OwnQueues>("own")}) {
     for (const unsigned threads : {1u, 2u, 7u}) {
       CollisionQuery query(mesh, particles, 64);
       auto engine = make_engine({.threads = threads, .rays_per_task = 64}, queue, accelerator);
@@ -84,7 +83,7 @@ TEST(Collision, NothingLeavesAClosedBox) {
   }
   const BruteForce accelerator(mesh);
   CollisionQuery query(mesh, particles, 256, 16);
-  make_engine({}, queue_entry<PlainQueue>("plain"), accelerator)->run(query);
+  make_engine({}, plain_queue, accelerator)->run(query);
   for (const Contacts& contacts : query.contacts()) ASSERT_EQ(contacts.count, 16u);
 }
 
@@ -95,8 +94,7 @@ TEST(Collision, TheSceneOfThePictureServesAsWell) {
   const auto fast = accelerators().front().build(scene.mesh, {});
   const BruteForce every_triangle(scene.mesh);
   CollisionQuery query(scene.mesh, particles, 32);
-  make_engine({.threads = 3, .rays_per_task = 32}, queue_entry<PlainQueue>("plain"), *fast)
-      ->run(query);
+  make_engine({.threads = 3, .rays_per_task = 32}, plain_queue, *fast)->run(query);
   EXPECT_GT(query.total(), 20u);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Hit hit = every_triangle.trace({particles[i].position, particles[i].velocity, 1});

@@ -12,7 +12,6 @@
 namespace irt {
 namespace {
 
-constexpr QueueEntry plain = queue_entry<PlainQueue>("plain");
 constexpr QueueEntry own = queue_entry<OwnQueues>("own");
 constexpr QueueEntry tiny = queue_entry<TinyQueue>("tiny");
 constexpr QueueEntry single = queue_entry<SingleQueue>("single");
@@ -30,7 +29,7 @@ struct EngineTest : testing::Test {
 };
 
 TEST_F(EngineTest, EveryTaskIsTracedOnceAndComesBackToThePool) {
-  for (const QueueEntry* queue : {&plain, &own, &tiny, &single}) {
+  for (const QueueEntry* queue : {&plain_queue, &own, &tiny, &single}) {
     for (const TerminationEntry& termination : terminations()) {
       for (const unsigned threads : {1u, 2u, 3u, 8u, 16u}) {
         SCOPED_TRACE(std::string(queue->name) + " " + std::string(termination.name) + " " +
@@ -54,7 +53,7 @@ TEST_F(EngineTest, EveryTaskIsTracedOnceAndComesBackToThePool) {
 }
 
 TEST_F(EngineTest, MemoryStopsGrowing) {
-  auto engine = make_engine(options(4, Termination::outstanding_count), plain, accelerator);
+  auto engine = make_engine(options(4, Termination::outstanding_count), plain_queue, accelerator);
   TreeCount application(60, 5);
   for (int frame = 0; frame < 200; ++frame) engine->run(application);
   // At most 60 * 11 tasks exist in a frame; level lists leave each of 4 workers at most that many.
@@ -63,7 +62,7 @@ TEST_F(EngineTest, MemoryStopsGrowing) {
 
 TEST_F(EngineTest, AFrameWithoutTasksEnds) {
   for (const TerminationEntry& termination : terminations()) {
-    auto engine = make_engine(options(3, termination.policy), plain, accelerator);
+    auto engine = make_engine(options(3, termination.policy), plain_queue, accelerator);
     TreeCount application(0, 5);
     EXPECT_EQ(engine->run(application).rays(), 0u);
     EXPECT_EQ(application.frames, 1);
@@ -107,7 +106,7 @@ TEST_F(EngineTest, ACancelledFrameIsThrownAway) {
   std::atomic<bool> cancel{true};
   EngineOptions wanted = options(3, Termination::outstanding_count);
   wanted.cancel = &cancel;
-  auto engine = make_engine(wanted, plain, accelerator);
+  auto engine = make_engine(wanted, plain_queue, accelerator);
   TreeCount application(60, 5);
   EXPECT_TRUE(engine->run(application).cancelled);
   EXPECT_EQ(application.count, 0u);
@@ -121,7 +120,7 @@ TEST_F(EngineTest, TimesAddUpToTheFrame) {
     EngineOptions wanted = options(2, Termination::outstanding_count);
     wanted.measure = measure;
     wanted.profile_every = 7;
-    auto engine = make_engine(wanted, plain, accelerator);
+    auto engine = make_engine(wanted, plain_queue, accelerator);
     TreeCount application(60, 5);
     const FrameStats stats = engine->run(application);
     EXPECT_GT(stats.render_s, 0);
@@ -137,9 +136,9 @@ TEST_F(EngineTest, TimesAddUpToTheFrame) {
 
 TEST_F(EngineTest, PinningIsReported) {
   EngineOptions wanted = options(4, Termination::outstanding_count);
-  EXPECT_FALSE(make_engine(wanted, plain, accelerator)->pinned());
+  EXPECT_FALSE(make_engine(wanted, plain_queue, accelerator)->pinned());
   wanted.pin = true;
-  EXPECT_EQ(make_engine(wanted, plain, accelerator)->pinned(), can_pin());
+  EXPECT_EQ(make_engine(wanted, plain_queue, accelerator)->pinned(), can_pin());
 }
 
 }  // namespace

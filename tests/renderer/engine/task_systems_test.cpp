@@ -11,8 +11,6 @@
 namespace irt {
 namespace {
 
-constexpr QueueEntry plain = queue_entry<PlainQueue>("plain");
-
 struct TaskSystems : testing::Test {
   Mesh empty;
   BruteForce accelerator{empty};
@@ -30,7 +28,8 @@ struct TaskSystems : testing::Test {
 TEST_F(TaskSystems, EveryTaskIsTracedOnceAndComesBackToThePool) {
   for_each([&](const TaskSystemEntry& entry) {
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
-      const auto engine = entry.make({.threads = threads, .rays_per_task = 64}, plain, accelerator);
+      const auto engine =
+          entry.make({.threads = threads, .rays_per_task = 64}, plain_queue, accelerator);
       TreeCount application(60, 5);
       for (int frame = 0; frame < 5; ++frame) {
         const FrameStats stats = engine->run(application);
@@ -49,7 +48,7 @@ TEST_F(TaskSystems, EveryTaskIsTracedOnceAndComesBackToThePool) {
 
 TEST_F(TaskSystems, ALongLineOfDescendantsNeedsNoDeepStack) {
   for_each([&](const TaskSystemEntry& entry) {
-    const auto engine = entry.make({.threads = 2, .rays_per_task = 16}, plain, accelerator);
+    const auto engine = entry.make({.threads = 2, .rays_per_task = 16}, plain_queue, accelerator);
     TreeCount application(2, 30'000);
     engine->run(application);
     EXPECT_EQ(application.count, application.rays());
@@ -58,7 +57,7 @@ TEST_F(TaskSystems, ALongLineOfDescendantsNeedsNoDeepStack) {
 
 TEST_F(TaskSystems, WhatTheApplicationThrowsArrivesAndTheEngineGoesOn) {
   for_each([&](const TaskSystemEntry& entry) {
-    const auto engine = entry.make({.threads = 3, .rays_per_task = 64}, plain, accelerator);
+    const auto engine = entry.make({.threads = 3, .rays_per_task = 64}, plain_queue, accelerator);
     TreeCount application(60, 5);
     application.throw_at = 100;
     EXPECT_THROW(engine->run(application), std::runtime_error);
@@ -72,8 +71,8 @@ TEST_F(TaskSystems, WhatTheApplicationThrowsArrivesAndTheEngineGoesOn) {
 TEST_F(TaskSystems, ACancelledFrameIsThrownAway) {
   for_each([&](const TaskSystemEntry& entry) {
     std::atomic<bool> cancel{true};
-    const auto engine =
-        entry.make({.threads = 3, .rays_per_task = 64, .cancel = &cancel}, plain, accelerator);
+    const auto engine = entry.make({.threads = 3, .rays_per_task = 64, .cancel = &cancel},
+                                   plain_queue, accelerator);
     TreeCount application(60, 5);
     EXPECT_TRUE(engine->run(application).cancelled);
     EXPECT_EQ(application.count, 0u);
@@ -85,7 +84,7 @@ TEST_F(TaskSystems, TimesAddUpToTheFrame) {
     for (const bool measure : {true, false}) {
       const auto engine =
           entry.make({.threads = 2, .rays_per_task = 64, .measure = measure, .profile_every = 7},
-                     plain, accelerator);
+                     plain_queue, accelerator);
       TreeCount application(60, 5);
       const FrameStats stats = engine->run(application);
       for (const WorkerStats& worker : stats.workers) {

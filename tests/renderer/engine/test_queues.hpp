@@ -36,6 +36,8 @@ class PlainQueue {
   std::deque<T> tasks_;
 };
 
+inline constexpr QueueEntry plain_queue = queue_entry<PlainQueue>("plain");
+
 /// One queue per worker, without any synchronisation: only the owner may touch it.
 template <class T>
 class OwnQueues {

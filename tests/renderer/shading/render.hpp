@@ -1,6 +1,8 @@
 /// Renders one frame, as a tool would.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/engine/engine.hpp"
 #include "renderer/shading/image.hpp"
@@ -41,6 +43,12 @@ inline Scene wall() {
   scene.camera = {{0, 0, 10}, {0, 0, 0}, {0, 1, 0}, 20};
   add_square(scene, 100, 0, 0);
   return scene;
+}
+
+inline void expect_near(Vec3 actual, Vec3 expected, float tolerance = 1e-5f) {
+  for (int channel = 0; channel < 3; ++channel) {
+    EXPECT_NEAR(actual[channel], expected[channel], tolerance);
+  }
 }
 
 }  // namespace irt

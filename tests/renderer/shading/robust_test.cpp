@@ -11,8 +11,6 @@
 namespace irt {
 namespace {
 
-constexpr QueueEntry queue = queue_entry<PlainQueue>("plain");
-
 // `scene` in another unit of length.
 Scene scaled(Scene scene, float scale) {
   for (Vec3& vertex : scene.mesh.vertices) vertex = vertex * scale;
@@ -29,15 +27,15 @@ TEST(Robust, HugeAndTinyScenesGiveTheSamePicture) {
     SCOPED_TRACE(entry.name);
     const Scene scene = entry.make();
     FixedPointFrameBuffer expected(64, 64);
-    render(scene, expected, queue);
+    render(scene, expected, plain_queue);
     for (const int exponent : {-20, 20}) {  // about 1e-6 and 1e6
       FixedPointFrameBuffer frame(64, 64);
-      render(scaled(scene, std::ldexp(1.0f, exponent)), frame, queue);
+      render(scaled(scene, std::ldexp(1.0f, exponent)), frame, plain_queue);
       EXPECT_EQ(frame.hash(), expected.hash()) << "2^" << exponent;
     }
     for (const float scale : {1e-6f, 1e-3f, 1e3f, 1e6f}) {
       FixedPointFrameBuffer frame(64, 64);
-      render(scaled(scene, scale), frame, queue);
+      render(scaled(scene, scale), frame, plain_queue);
       const Image a = expected.image(), b = frame.image();
       int differing = 0;
       for (std::size_t i = 0; i < a.rgb.size(); ++i) differing += std::abs(a.rgb[i] - b.rgb[i]) > 2;
@@ -57,7 +55,7 @@ TEST(Robust, AnySizeOfPictureAndTaskWithAnyWidth) {
         FixedPointFrameBuffer frame(width, height);
         const auto shader = shaders().front().make(scene, frame, {});
         ImageRendering application(scene.camera, frame, *shader, rays);
-        make_engine({.rays_per_task = rays}, queue, *structure)->run(application);
+        make_engine({.rays_per_task = rays}, plain_queue, *structure)->run(application);
         if (expected == 0) expected = frame.hash();
         EXPECT_EQ(frame.hash(), expected)
             << width << "x" << height << ", packets of " << packet << ", tasks of " << rays;
@@ -72,7 +70,7 @@ TEST(Robust, ASceneOfOneTriangle) {
     scene.mesh.triangles.resize(1);
     scene.mesh.material.resize(1);
     FixedPointFrameBuffer frame(16, 16);
-    const FrameStats stats = render(scene, frame, queue, *entry.make(scene, frame, {}));
+    const FrameStats stats = render(scene, frame, plain_queue, *entry.make(scene, frame, {}));
     EXPECT_GE(stats.rays(), frame.pixels()) << entry.name;
     EXPECT_EQ(stats.lost + stats.doubled, 0u) << entry.name;
   }

@@ -10,8 +10,6 @@
 namespace irt {
 namespace {
 
-constexpr QueueEntry queue = queue_entry<PlainQueue>("plain");
-
 const ShaderEntry& shader_called(std::string_view name) {
   for (const ShaderEntry& entry : shaders()) {
     if (entry.name == name) return entry;
@@ -23,14 +21,8 @@ const ShaderEntry& shader_called(std::string_view name) {
 Vec3 middle(Scene scene, std::string_view shader, std::uint32_t samples = 1) {
   scene.camera.vertical_fov = 0.01f;
   FixedPointFrameBuffer frame(1, 1);
-  render(scene, frame, queue, *shader_called(shader).make(scene, frame, {}), {}, samples);
+  render(scene, frame, plain_queue, *shader_called(shader).make(scene, frame, {}), {}, samples);
   return frame.sum(0);
-}
-
-void expect_near(Vec3 actual, Vec3 expected, float tolerance = 1e-5f) {
-  for (int channel = 0; channel < 3; ++channel) {
-    EXPECT_NEAR(actual[channel], expected[channel], tolerance);
-  }
 }
 
 TEST(Shaders, DiffuseCastsNoShadow) {
@@ -107,7 +99,7 @@ TEST(Shaders, SamplesAverageAndEveryRayContributesOnce) {
     SCOPED_TRACE(entry.name);
     FixedPointFrameBuffer frame(20, 12);
     const auto shader = entry.make(scene, frame, {.max_depth = 2});
-    const FrameStats stats = render(scene, frame, queue, *shader, {.rays_per_task = 50}, 5);
+    const FrameStats stats = render(scene, frame, plain_queue, *shader, {.rays_per_task = 50}, 5);
     std::uint64_t contributions = 0, most = 0;
     for (std::uint32_t pixel = 0; pixel < frame.pixels(); ++pixel) {
       contributions += frame.contributions(pixel);

@@ -10,19 +10,12 @@
 namespace irt {
 namespace {
 
-constexpr QueueEntry queue = queue_entry<PlainQueue>("plain");
 constexpr float ambient = Whitted::ambient;
-
-void expect_near(Vec3 actual, Vec3 expected, float tolerance) {
-  for (int channel = 0; channel < 3; ++channel) {
-    EXPECT_NEAR(actual[channel], expected[channel], tolerance);
-  }
-}
 
 TEST(Whitted, AMattWallReflectsByTheCosine) {
   const Scene scene = wall();
   FixedPointFrameBuffer frame(3, 3);
-  const FrameStats stats = render(scene, frame, queue);
+  const FrameStats stats = render(scene, frame, plain_queue);
   expect_near(frame.sum(4), scene.materials[0].diffuse * (1 + ambient), 1e-6f);
   // The neighbour's centre is 2/3 * 10 * tan(10 degrees) aside.
   const float aside = 1.175513f, cosine = 8 / std::sqrt(64 + aside * aside);
@@ -39,7 +32,7 @@ TEST(Whitted, WhatStandsBetweenCastsAShadow) {
   scene.camera.eye = {3, 0, 4};
   scene.camera.target = {0, 0, 0};
   FixedPointFrameBuffer frame(1, 1);
-  render(scene, frame, queue);
+  render(scene, frame, plain_queue);
   expect_near(frame.sum(0), scene.materials[0].diffuse * ambient, 1e-6f);
 }
 
@@ -47,7 +40,7 @@ TEST(Whitted, ALightBehindTheSurfaceBringsNothingAndCostsNothing) {
   Scene scene = wall();
   scene.lights[0].position = {0, 0, -8};
   FixedPointFrameBuffer frame(1, 1);
-  const FrameStats stats = render(scene, frame, queue);
+  const FrameStats stats = render(scene, frame, plain_queue);
   expect_near(frame.sum(0), scene.materials[0].diffuse * ambient, 1e-6f);
   EXPECT_EQ(stats.total().rays[1], 0u);
 }
@@ -56,12 +49,12 @@ TEST(Whitted, AMirrorShowsWhatIsBehindTheEye) {
   Scene scene = wall();
   scene.mesh.material.assign(2, 1);
   FixedPointFrameBuffer nothing(1, 1);
-  render(scene, nothing, queue);
+  render(scene, nothing, plain_queue);
   expect_near(nothing.sum(0), Whitted::background * 0.5f, 1e-6f);
 
   add_square(scene, 100, 20, 0);
   FixedPointFrameBuffer frame(1, 1);
-  const FrameStats stats = render(scene, frame, queue);
+  const FrameStats stats = render(scene, frame, plain_queue);
   expect_near(frame.sum(0), scene.materials[0].diffuse * (0.5f * (1 + ambient)), 1e-6f);
   EXPECT_EQ(stats.total().rays[2], 1u);
 }
@@ -72,7 +65,7 @@ TEST(Whitted, MirrorsFacingEachOtherEndAtTheDepthLimit) {
   add_square(scene, 100, 20, 1);
   for (const std::uint32_t depth : {0u, 1u, 7u}) {
     FixedPointFrameBuffer frame(1, 1);
-    const FrameStats stats = render(scene, frame, queue, {}, {.max_depth = depth});
+    const FrameStats stats = render(scene, frame, plain_queue, {}, {.max_depth = depth});
     EXPECT_EQ(stats.total().rays[2], depth);
     EXPECT_EQ(frame.contributions(0), 1 + depth);
   }
@@ -84,7 +77,7 @@ TEST(Whitted, EveryRayContributesOnce) {
   scene.lights.push_back({{5, 5, 3}, {1, 0, 0}});
   add_square(scene, 1, 2, 0);
   FixedPointFrameBuffer frame(16, 16);
-  const FrameStats stats = render(scene, frame, queue, {.rays_per_task = 10});
+  const FrameStats stats = render(scene, frame, plain_queue, {.rays_per_task = 10});
   std::uint64_t contributions = 0;
   for (std::uint32_t pixel = 0; pixel < frame.pixels(); ++pixel) {
     contributions += frame.contributions(pixel);
@@ -125,7 +118,7 @@ TEST(Whitted, SurfacesDoNotShadeThemselvesAtAnyScale) {
     scene.camera = {middle + normal * (2 * size), middle, up, 20};
 
     FixedPointFrameBuffer frame(64, 64);
-    const FrameStats stats = render(scene, frame, queue);
+    const FrameStats stats = render(scene, frame, plain_queue);
     EXPECT_EQ(stats.total().rays[1], 3u * 64 * 64);
     // Nothing stands above the surface, so each pixel is at least as bright as light from above
     // alone makes it; a shadow upon itself would leave a hole.

@@ -7,12 +7,11 @@
 
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/generated_shapes.hpp"
+#include "tests/stress/checker/claims.hpp"
 
 namespace irt::checker {
 namespace {
 
-constexpr Claims anything{.bounded = true};
-constexpr Claims single{.bounded = true, .producers = Callers::one, .consumers = Callers::one};
 constexpr Claims own{.producers = Callers::own_worker, .consumers = Callers::own_worker};
 
 std::vector<Shape> generated(const Claims& claims, std::uint64_t seed, unsigned count = 300) {

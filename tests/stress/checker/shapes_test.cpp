@@ -8,12 +8,10 @@
 
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/parking.hpp"
+#include "tests/stress/checker/claims.hpp"
 
 namespace irt::checker {
 namespace {
-
-constexpr Claims anything{.bounded = true};
-constexpr Claims single{.bounded = true, .producers = Callers::one, .consumers = Callers::one};
 
 TEST(Shapes, are_read_and_written_alike) {
   for (const char* text :

@@ -1,21 +1,15 @@
 // The sweeps against brute force, on random small histories.
 #include <algorithm>
 #include <gtest/gtest.h>
-#include <random>
 #include <sstream>
 
 #include "brute_force.hpp"
 #include "stress/history/happens_before.hpp"
 #include "stress/history/real_time.hpp"
+#include "tests/stress/history/random.hpp"
 
 namespace irt::stress {
 namespace {
-
-using Random = std::mt19937_64;
-
-std::uint64_t below(Random& random, std::uint64_t bound) {
-  return random() % bound;
-}
 
 /// A FIFO's answers at random moments, stretched to random intervals; half of the time then bent:
 /// answers exchanged or moved in time. `workers` share the operations.

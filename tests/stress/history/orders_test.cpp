@@ -6,21 +6,15 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <numeric>
-#include <random>
 #include <set>
 #include <sstream>
 
 #include "stress/history/happens_before.hpp"
 #include "stress/history/judge.hpp"
+#include "tests/stress/history/random.hpp"
 
 namespace irt::stress {
 namespace {
-
-using Random = std::mt19937_64;
-
-std::uint64_t below(Random& random, std::uint64_t bound) {
-  return random() % bound;
-}
 
 /// Calls of which call i precedes call j as `order` says, for i < j; the last `after` in a row.
 Calls ordered(const std::vector<Call>& calls, std::size_t after,
