@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "bench/contention/job.hpp"
-#include "bench/frames/child_process.hpp"
+#include "stress/running/child_process.hpp"
 
 namespace irt::contention {
 

@@ -8,11 +8,11 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/contention/statistics.hpp"
-#include "bench/frames/json_lines.hpp"
-#include "bench/frames/text_files.hpp"
-#include "bench/frames/usage_error.hpp"
 #include "bench/results/fields.hpp"
+#include "bench/running/json_lines.hpp"
+#include "bench/running/text_files.hpp"
 #include "queues/nearest.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

@@ -10,8 +10,8 @@
 #include "bench/contention/child.hpp"
 #include "bench/contention/compare.hpp"
 #include "bench/contention/sweep.hpp"
-#include "bench/frames/arguments.hpp"
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "bench/frames/usage_error.hpp"
 #include "queues/nearest.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

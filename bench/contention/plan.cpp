@@ -10,8 +10,8 @@
 #include "bench/contention/counting.hpp"
 #include "bench/contention/subject.hpp"
 #include "bench/contention/turns.hpp"
-#include "bench/frames/usage_error.hpp"
 #include "queues/baselines/baselines.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

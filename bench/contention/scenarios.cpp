@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "bench/frames/usage_error.hpp"
 #include "queues/nearest.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

@@ -12,11 +12,11 @@
 #include "bench/contention/statistics.hpp"
 #include "bench/contention/summary.hpp"
 #include "bench/contention/turns.hpp"
-#include "bench/frames/interrupt.hpp"
-#include "bench/frames/json_lines.hpp"
-#include "bench/frames/progress.hpp"
-#include "bench/frames/text_files.hpp"
-#include "bench/frames/usage_error.hpp"
+#include "bench/running/interrupt.hpp"
+#include "bench/running/json_lines.hpp"
+#include "bench/running/progress.hpp"
+#include "bench/running/text_files.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

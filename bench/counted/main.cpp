@@ -9,10 +9,10 @@
 #include "bench/conditions/conditions.hpp"
 #include "bench/counted/counted_queue.hpp"
 #include "bench/counted/pairs.hpp"
-#include "bench/frames/arguments.hpp"
-#include "bench/frames/text_files.hpp"
+#include "bench/running/text_files.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
+#include "stress/running/arguments.hpp"
 
 namespace irt {
 namespace {

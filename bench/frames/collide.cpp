@@ -3,10 +3,10 @@
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/files.hpp"
-#include "bench/frames/interrupt.hpp"
 #include "bench/frames/summary.hpp"
-#include "bench/frames/text_files.hpp"
 #include "bench/results/record.hpp"
+#include "bench/running/interrupt.hpp"
+#include "bench/running/text_files.hpp"
 #include "renderer/engine/collision.hpp"
 
 namespace irt {

@@ -6,16 +6,16 @@
 #include <tuple>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/frames/child_process.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/files.hpp"
-#include "bench/frames/interrupt.hpp"
 #include "bench/frames/journal.hpp"
-#include "bench/frames/progress.hpp"
 #include "bench/frames/sample.hpp"
 #include "bench/frames/summary.hpp"
-#include "bench/frames/text_files.hpp"
-#include "bench/frames/usage_error.hpp"
+#include "bench/running/interrupt.hpp"
+#include "bench/running/progress.hpp"
+#include "bench/running/text_files.hpp"
+#include "stress/running/child_process.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 namespace {

@@ -4,7 +4,7 @@
 #include <png.h>
 #include <utility>
 
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "bench/frames/text_files.hpp"
+#include "bench/running/text_files.hpp"
 #include "renderer/frame_buffer/frame_buffer.hpp"
 
 namespace irt {

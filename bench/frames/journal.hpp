@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "bench/frames/json_lines.hpp"
 #include "bench/frames/sample.hpp"
+#include "bench/running/json_lines.hpp"
 
 namespace irt {
 

@@ -6,9 +6,9 @@
 #include <list>
 #include <new>
 
-#include "bench/frames/arguments.hpp"
 #include "bench/frames/commands.hpp"
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 namespace {

@@ -7,13 +7,13 @@
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/files.hpp"
-#include "bench/frames/interrupt.hpp"
-#include "bench/frames/progress.hpp"
 #include "bench/frames/sample.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/frames/trace_file.hpp"
-#include "bench/frames/usage_error.hpp"
+#include "bench/running/interrupt.hpp"
+#include "bench/running/progress.hpp"
 #include "renderer/engine/trace_log.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bench/conditions/system.hpp"
-#include "bench/frames/usage_error.hpp"
 #include "queues/nearest.hpp"
 #include "renderer/scene/scenes.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 namespace {

@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/frames/arguments.hpp"
-#include "bench/frames/text_files.hpp"
 #include "bench/instructions/callgrind.hpp"
 #include "bench/micro/second_thread.hpp"
+#include "bench/running/text_files.hpp"
 #include "queues/registry.hpp"
+#include "stress/running/arguments.hpp"
 
 // Named in what callgrind is told to look at, so not inlined and with a plain name.
 extern "C" __attribute__((noinline)) void irt_measured(irt::AnyWorkQueue<std::uint64_t>& queue,

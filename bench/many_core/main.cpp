@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <iostream>
 
-#include "bench/frames/arguments.hpp"
-#include "bench/frames/interrupt.hpp"
 #include "bench/many_core/renderer/sweep.hpp"
 #include "bench/many_core/sweeps/sensitivity.hpp"
 #include "bench/many_core/sweeps/sweep.hpp"
 #include "bench/many_core/sweeps/validation.hpp"
+#include "bench/running/interrupt.hpp"
+#include "stress/running/arguments.hpp"
 
 namespace irt::many_core {
 namespace {

@@ -2,13 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/frames/arguments.hpp"
 #include "bench/frames/files.hpp"
-#include "bench/frames/usage_error.hpp"
 #include "bench/report/figures.hpp"
 #include "bench/report/page.hpp"
 #include "bench/report/plots.hpp"
 #include "bench/report/results.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 namespace {

@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/frames/arguments.hpp"
-#include "bench/frames/text_files.hpp"
+#include "bench/running/text_files.hpp"
 #include "bench/tracer/contestant.hpp"
 #include "bench/tracer/frame.hpp"
 #include "bench/tracer/measurement.hpp"
@@ -17,6 +16,7 @@
 #include "queues/nearest.hpp"
 #include "renderer/bvh/executor.hpp"
 #include "renderer/scene/scenes.hpp"
+#include "stress/running/arguments.hpp"
 
 namespace irt::bench {
 namespace {

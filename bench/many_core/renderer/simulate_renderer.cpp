@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/frames/arguments.hpp"
-#include "bench/frames/interrupt.hpp"
-#include "bench/frames/text_files.hpp"
-#include "bench/frames/usage_error.hpp"
 #include "bench/many_core/renderer/sweep.hpp"
 #include "bench/many_core/renderer/validation.hpp"
 #include "bench/many_core/sweeps/sweep.hpp"
+#include "bench/running/interrupt.hpp"
+#include "bench/running/text_files.hpp"
 #include "queues/registry.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::many_core {
 namespace {

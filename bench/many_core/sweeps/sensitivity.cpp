@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bench/frames/interrupt.hpp"
+#include "bench/running/interrupt.hpp"
 
 namespace irt::many_core {
 

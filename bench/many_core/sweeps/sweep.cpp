@@ -13,11 +13,11 @@
 #include <thread>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/frames/interrupt.hpp"
-#include "bench/frames/text_files.hpp"
 #include "bench/many_core/sweeps/children.hpp"
 #include "bench/many_core/sweeps/runs.hpp"
 #include "bench/many_core/workloads/contended.hpp"
+#include "bench/running/interrupt.hpp"
+#include "bench/running/text_files.hpp"
 #include "queues/nearest.hpp"
 #include "queues/work_queue.hpp"
 

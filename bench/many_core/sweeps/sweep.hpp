@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "bench/frames/usage_error.hpp"
 #include "bench/many_core/workloads/point.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::many_core {
 

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "bench/frames/interrupt.hpp"
 #include "bench/many_core/calibration/calibrate.hpp"
 #include "bench/many_core/sweeps/native.hpp"
 #include "bench/many_core/sweeps/runs.hpp"
+#include "bench/running/interrupt.hpp"
 #include "queues/registry.hpp"
 
 namespace irt::many_core {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
 namespace {

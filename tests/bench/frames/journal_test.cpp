@@ -3,7 +3,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/usage_error.hpp"
 #include "tests/bench/temporary.hpp"
 
 namespace irt {

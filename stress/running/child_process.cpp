@@ -1,4 +1,4 @@
-#include "bench/frames/child_process.hpp"
+#include "stress/running/child_process.hpp"
 
 #include <array>
 #include <cerrno>

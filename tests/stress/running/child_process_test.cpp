@@ -1,5 +1,5 @@
 // Processes that are spoken to, stopped, and whatever may become of them.
-#include "bench/frames/child_process.hpp"
+#include "stress/running/child_process.hpp"
 
 #include <algorithm>
 #include <array>

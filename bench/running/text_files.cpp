@@ -1,10 +1,10 @@
-#include "bench/frames/text_files.hpp"
+#include "bench/running/text_files.hpp"
 
 #include <cerrno>
 #include <fmt/format.h>
 #include <system_error>
 
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 namespace {

@@ -1,4 +1,4 @@
-#include "bench/frames/interrupt.hpp"
+#include "bench/running/interrupt.hpp"
 
 #include <csignal>
 

@@ -1,11 +1,11 @@
-#include "bench/frames/json_lines.hpp"
+#include "bench/running/json_lines.hpp"
 
 #include <cerrno>
 #include <fmt/format.h>
 #include <fstream>
 #include <system_error>
 
-#include "bench/frames/usage_error.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt {
 

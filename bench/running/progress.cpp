@@ -1,4 +1,4 @@
-#include "bench/frames/progress.hpp"
+#include "bench/running/progress.hpp"
 
 #include <cstdio>
 #include <fmt/format.h>
