@@ -4,14 +4,14 @@
 #include <array>
 #include <cstdio>
 #include <fmt/format.h>
-#include <new>
 #include <string_view>
 
 #include "bench/contention/child.hpp"
 #include "bench/contention/compare.hpp"
 #include "bench/contention/sweep.hpp"
 #include "stress/running/arguments.hpp"
-#include "stress/running/usage_error.hpp"
+#include "stress/running/program.hpp"
+#include "stress/running/shard.hpp"
 
 namespace irt::contention {
 namespace {
@@ -48,16 +48,6 @@ CLI::Validator real(double low, double high) {
             return good ? std::string() : fmt::format("{}: must be from {} to {}", text, low, high);
           },
           fmt::format("from {} to {}", low, high)};
-}
-
-// "0/4": the first of four.
-void parse_shard(const std::string& text, Plan& plan) {
-  char rest = 0;
-  // NOLINTNEXTLINE(cert-err34-c): six digits fit
-  if (std::sscanf(text.c_str(), "%6u/%6u%c", &plan.shard, &plan.shards, &rest) != 2 ||
-      plan.shard >= plan.shards) {
-    throw UsageError(fmt::format("--shard {}: it is i/n with i from 0 to n - 1, as 0/4", text));
-  }
 }
 
 int list() {
@@ -119,7 +109,12 @@ void Tool::add_sweep(CLI::App& app) {
   command.add_flag("--latency", plan.latency, "percentiles, too, in repetitions of their own");
   command.add_option("--seed", plan.seed, "of everything random")->capture_default_str();
   command.add_option_function<std::string>(
-      "--shard", [&plan](const std::string& text) { parse_shard(text, plan); },
+      "--shard",
+      [&plan](const std::string& text) {
+        const Shard part = parse_shard(text);
+        plan.shard = part.index;
+        plan.shards = part.count;
+      },
       "i/n: the i-th of n parts of the sweep, from 0");
   command
       .add_option_function<std::vector<std::string>>(
@@ -165,13 +160,8 @@ int run(int argc, char** argv) {
   tool.add_sweep(app);
   tool.add_compare(app);
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  tell_in_one_line(app, "irt bench");
+  if (const auto code = parse(app, argc, argv)) return *code;
   return tool.code;
 }
 
@@ -179,12 +169,7 @@ int run(int argc, char** argv) {
 }  // namespace irt::contention
 
 int main(int argc, char** argv) {
-  try {
-    return irt::contention::run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "irt bench: out of memory; use fewer threads or a smaller capacity\n");
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "irt bench: {}\n", error.what());
-  }
-  return 2;
+  return irt::run_program(
+      "irt bench", [&] { return irt::contention::run(argc, argv); },
+      "fewer threads or a smaller capacity");
 }

@@ -13,6 +13,7 @@
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 
 namespace irt {
 namespace {
@@ -135,11 +136,7 @@ int run(int argc, char** argv) {
   app.add_option("--json", options.json_file,
                  "write all figures to this file; - for standard output");
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = parse(app, argc, argv)) return *code;
   return measure(std::move(options));
 }
 
@@ -147,10 +144,5 @@ int run(int argc, char** argv) {
 }  // namespace irt
 
 int main(int argc, char** argv) {
-  try {
-    return irt::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "irt bench counted: {}\n", error.what());
-    return 2;
-  }
+  return irt::run_program("irt bench counted", [&] { return irt::run(argc, argv); });
 }

@@ -7,6 +7,8 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/doctor/diagnosis.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 
 namespace {
 
@@ -69,11 +71,7 @@ int run(int argc, char** argv) {
   CLI::App app("What this machine has, and what that means for the figures.", "irt doctor");
   bool json = false;
   app.add_flag("--json", json, "machine, build and findings as JSON");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = irt::parse(app, argc, argv)) return *code;
   const auto findings = irt::diagnose(irt::examine(), irt::optional_parts());
   if (json) {
     print_json(findings);
@@ -86,10 +84,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "irt doctor: %s\n", error.what());
-    return 1;
-  }
+  return irt::run_program("irt doctor", [&] { return run(argc, argv); });
 }

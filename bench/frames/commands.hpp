@@ -9,6 +9,7 @@
 
 #include "bench/frames/workload.hpp"
 #include "queues/registry.hpp"
+#include "stress/running/shard.hpp"
 
 namespace irt {
 
@@ -26,11 +27,6 @@ struct RenderOptions {
 };
 int render(RenderOptions options, const QueueRegistry& queues);
 
-/// Which part of a sweep is measured: of `count` parts number `index`, from 0. All queues of one
-/// workload and number of threads are in the same part, for only there are they interleaved.
-struct Shard {
-  unsigned index = 0, count = 1;
-};
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Shard, index, count)
 
 /// `irt compare`: several queues, several numbers of threads, several workloads, interleaved.
@@ -44,6 +40,8 @@ struct CompareOptions {
   double patience = 30;  ///< seconds that a queue may take beyond ten times what is expected
   std::vector<std::string> plugins;
   bool resume = false;
+  /// All queues of one workload and number of threads are in the same part, for only there are they
+  /// interleaved.
   Shard shard;
   std::filesystem::path out = "irt-out", json;
   std::vector<std::string> given;  ///< the options that the user did set, by their long names

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 #include <functional>
 #include <list>
-#include <new>
 
 #include "bench/frames/commands.hpp"
 #include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 #include "stress/running/usage_error.hpp"
 
 namespace irt {
@@ -27,18 +27,6 @@ void parse_size(const std::string& text, WorkloadOptions& options) {
   }
   options.width = static_cast<std::uint32_t>(width);
   options.height = static_cast<std::uint32_t>(height);
-}
-
-// "2/8". Throws UsageError.
-Shard parse_shard(const std::string& text) {
-  Shard shard;
-  char rest = 0;
-  // NOLINTNEXTLINE(cert-err34-c): nine digits fit
-  if (std::sscanf(text.c_str(), "%9u/%9u%c", &shard.index, &shard.count, &rest) != 2 ||
-      shard.index >= shard.count) {
-    throw UsageError(fmt::format("--shard {}: it is i/n with i from 0 to n - 1, as 0/4", text));
-  }
-  return shard;
 }
 
 // The options that say what is rendered and how.
@@ -292,13 +280,8 @@ int run(int argc, char** argv) {
   add_collide(app, shared, colliding);
   add_overhead(app, shared, measuring);
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  tell_in_one_line(app, "irt");
+  if (const auto code = parse(app, argc, argv)) return *code;
   return shared.code;
 }
 
@@ -306,13 +289,6 @@ int run(int argc, char** argv) {
 }  // namespace irt
 
 int main(int argc, char** argv) {
-  // One line for the user, whatever it is: the errors of the project are for the user to mend.
-  try {
-    return irt::run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "irt: out of memory; use a smaller picture or scene\n");
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "irt: {}\n", error.what());
-  }
-  return 2;
+  return irt::run_program(
+      "irt", [&] { return irt::run(argc, argv); }, "a smaller picture or scene");
 }

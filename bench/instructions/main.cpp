@@ -14,6 +14,7 @@
 #include "bench/running/text_files.hpp"
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 
 // Named in what callgrind is told to look at, so not inlined and with a plain name.
 extern "C" __attribute__((noinline)) void irt_measured(irt::AnyWorkQueue<std::uint64_t>& queue,
@@ -207,11 +208,7 @@ int run(int argc, char** argv) {
                  "write all figures to this file; - for standard output");
   app.add_option("--measured", options.measured)->group("");
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = parse(app, argc, argv)) return *code;
   if (!options.measured.empty()) return be_measured(options);
   const QueueRegistry registry;
   for (const std::string& name : options.queues) registry.at_or_counter(name);
@@ -240,10 +237,6 @@ int run(int argc, char** argv) {
 }  // namespace irt::instructions
 
 int main(int argc, char** argv) {
-  try {
-    return irt::instructions::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "irt bench instructions: {}\n", error.what());
-    return 2;
-  }
+  return irt::run_program("irt bench instructions",
+                          [&] { return irt::instructions::run(argc, argv); });
 }

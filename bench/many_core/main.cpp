@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
-#include <iostream>
 
 #include "bench/many_core/renderer/sweep.hpp"
 #include "bench/many_core/sweeps/sensitivity.hpp"
@@ -10,6 +9,7 @@
 #include "bench/many_core/sweeps/validation.hpp"
 #include "bench/running/interrupt.hpp"
 #include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -82,13 +82,8 @@ int run(int argc, char** argv) {
                "say which conclusions hold over the ranges of the machine's figures");
   app.add_flag("--list", arguments.list, "list machines, queues and primitives");
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  tell_in_one_line(app, "irt simulate");
+  if (const auto code = parse(app, argc, argv)) return *code;
   if (arguments.list) return list();
   sweep.cores = parse_cores(arguments.cores);
   sweep.scenario = parse_scenario(arguments.scenario);
@@ -106,14 +101,10 @@ int run(int argc, char** argv) {
 }  // namespace irt::many_core
 
 int main(int argc, char** argv) {
-  try {
+  return irt::run_program("irt simulate", [&] {
     const std::vector<std::string> arguments(argv + 1, argv + argc);
-    if (std::ranges::find(arguments, "--renderer") != arguments.end()) {
-      return irt::many_core::simulate_renderer(arguments);
-    }
-    return irt::many_core::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "irt simulate: " << error.what() << '\n';
-  }
-  return 2;
+    return std::ranges::find(arguments, "--renderer") != arguments.end()
+               ? irt::many_core::simulate_renderer(arguments)
+               : irt::many_core::run(argc, argv);
+  });
 }

@@ -3,12 +3,12 @@
 // in the context of its JSON.
 #include <benchmark/benchmark.h>
 #include <cstdio>
-#include <exception>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/micro/second_thread.hpp"
+#include "stress/running/program.hpp"
 
 namespace irt::micro {
 
@@ -51,10 +51,5 @@ int run(std::vector<char*> arguments) {
 }  // namespace irt::micro
 
 int main(int argc, char** argv) {
-  try {
-    return irt::micro::run({argv, argv + argc});
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "irt: %s\n", error.what());
-  }
-  return 2;
+  return irt::run_program("irt", [&] { return irt::micro::run({argv, argv + argc}); });
 }

@@ -2,13 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/frames/files.hpp"
 #include "bench/report/figures.hpp"
 #include "bench/report/page.hpp"
 #include "bench/report/plots.hpp"
 #include "bench/report/results.hpp"
+#include "bench/running/text_files.hpp"
 #include "stress/running/arguments.hpp"
-#include "stress/running/usage_error.hpp"
+#include "stress/running/program.hpp"
 
 namespace irt {
 namespace {
@@ -42,13 +42,8 @@ int run(int argc, char** argv) {
   app.add_option("--plots", options.plots,
                  "directory for the plots alone: SVG, PDF, data, gnuplot scripts");
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  tell_in_one_line(app, "irt");
+  if (const auto code = parse(app, argc, argv)) return *code;
   if (options.places.empty()) options.places.emplace_back("irt-out");
   report(options);
   return 0;
@@ -58,11 +53,5 @@ int run(int argc, char** argv) {
 }  // namespace irt
 
 int main(int argc, char** argv) {
-  // One line for the user, whatever it is: the errors of the project are for the user to mend.
-  try {
-    return irt::run(argc, argv);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "irt: {}\n", error.what());
-  }
-  return 2;
+  return irt::run_program("irt", [&] { return irt::run(argc, argv); });
 }

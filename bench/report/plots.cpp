@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "bench/frames/files.hpp"
+#include "bench/running/text_files.hpp"
 
 namespace irt {
 namespace {

@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <fmt/format.h>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,7 @@
 #include "renderer/bvh/executor.hpp"
 #include "renderer/scene/scenes.hpp"
 #include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 
 namespace irt::bench {
 namespace {
@@ -316,11 +316,7 @@ int run(int argc, char** argv) {
   app.add_option("--json", options.json,
                  "write every single time to this file; - for standard output");
   refuse_empty(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = parse(app, argc, argv)) return *code;
   if (options.contestants.empty()) {
     for (const std::string_view name : usual_contestants()) options.contestants.emplace_back(name);
   }
@@ -342,10 +338,5 @@ int run(int argc, char** argv) {
 }  // namespace irt::bench
 
 int main(int argc, char** argv) {
-  try {
-    return irt::bench::run(argc, argv);
-  } catch (const std::exception& error) {  // a scene, a name or a number that cannot be used
-    std::fprintf(stderr, "irt bench tracer: %s\n", error.what());
-    return 2;
-  }
+  return irt::run_program("irt bench tracer", [&] { return irt::bench::run(argc, argv); });
 }

@@ -16,6 +16,10 @@
 #include "stress/checker/parts.hpp"
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/verdict.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
+#include "stress/running/shard.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace {
 
@@ -60,11 +64,6 @@ std::vector<std::string> queue_names() {
   return names;
 }
 
-[[noreturn]] void usage_error(const std::string& text) {
-  std::cerr << "irt check: " << text << '\n';
-  std::exit(2);
-}
-
 json to_json(const checker::ShapeResult& s) {
   const checker::Result& r = s.result;
   json j{{"origin", name_of(s.origin)},  {"shape", s.shape},
@@ -90,7 +89,8 @@ int merge(const std::vector<std::string>& files) {
     std::ifstream in(file);
     const json part = json::parse(in, nullptr, false);
     if (part.is_discarded() || !part.is_object() || !part.contains("shapes"))
-      usage_error("--merge \"" + file + "\": it is not what a run with --shard and --json wrote");
+      throw irt::UsageError("--merge \"" + file +
+                            "\": it is not what a run with --shard and --json wrote");
     for (const json& shape : part.at("shapes")) {
       json& sum = sums[{shape.at("shape"), shape.at("search")}];
       if (sum.is_null()) {
@@ -129,9 +129,9 @@ void prepare(CommandLine& line) {
   for (const std::string& shape : settings.shapes) checker::parse_shape(shape);
   if (!line.shard.empty()) {
     checker::Options& options = settings.options;
-    if (std::sscanf(line.shard.c_str(), "%u/%u", &options.shard, &options.shards) != 2 ||
-        options.shard >= options.shards)
-      usage_error("--shard \"" + line.shard + "\": it is i/n with i from 0 to n - 1, as 0/4");
+    const irt::Shard part = irt::parse_shard(line.shard);
+    options.shard = part.index;
+    options.shards = part.count;
     settings.progress = settings.progress && options.shard == 0;
     // One part might find that equal threads are not, and the others, elsewhere, rely on it.
     options.symmetry = false;
@@ -139,8 +139,8 @@ void prepare(CommandLine& line) {
   if (line.module.empty()) {
     const std::vector<std::string> names = queue_names();
     if (std::find(names.begin(), names.end(), line.queue) == names.end())
-      usage_error(fmt::format("--queue \"{}\": no such queue; there are {}", line.queue,
-                              fmt::join(names, ", ")));
+      throw irt::UsageError(fmt::format("--queue \"{}\": no such queue; there are {}", line.queue,
+                                        fmt::join(names, ", ")));
     line.module = own_directory() / ("irt_checked_" + line.queue + ".so");
   }
 }
@@ -149,7 +149,7 @@ int run_mutants(CommandLine& line) {
   irt::virtual_cores::Module module(own_directory() / "irt_mutants_module.so");
   line.kill.seconds = line.settings.seconds;
   if (!line.json_file.empty() && !line.kill.default_only)
-    usage_error("--json with --mutants needs --default-search, whose results it keeps");
+    throw irt::UsageError("--json with --mutants needs --default-search, whose results it keeps");
   line.kill.json = line.json_file;
   return kill_matrix(module, line.kill) ? 0 : 1;
 }
@@ -158,13 +158,13 @@ int run(const CommandLine& line) {
   irt::virtual_cores::Module module(line.module);
   const irt::QueueEntry& entry = *module.function<const irt::QueueEntry*()>("irt_queue_entry")();
   if (!entry.claims.carries_elements)
-    usage_error(fmt::format("queue {} only counts and carries nothing; irt bench alone can use it",
-                            entry.name));
+    throw irt::UsageError(fmt::format(
+        "queue {} only counts and carries nothing; irt bench alone can use it", entry.name));
   checker::CheckSettings settings = line.settings;
   if (line.threads != 0) {
     const std::string shape = checker::even_shape(entry.claims, line.threads, line.operations);
     if (shape.empty())
-      usage_error(
+      throw irt::UsageError(
           fmt::format("--threads {}: queue {} is for one producer and one consumer, so that "
                       "a third thread would have nothing to do; --threads 2, or a --shape",
                       line.threads, entry.name));
@@ -184,7 +184,8 @@ int run(const CommandLine& line) {
         fmt::format(" --failing-allocations {}", settings.options.limits.failing_allocations);
 
   if (!line.replay.empty()) {
-    if (settings.shapes.size() != 1) usage_error("--replay needs the --shape it was found with");
+    if (settings.shapes.size() != 1)
+      throw irt::UsageError("--replay needs the --shape it was found with");
     const std::string report = checker::replay(entry, module, settings, settings.shapes.front(),
                                                line.replay, line.dot_file);
     if (report.empty()) {
@@ -204,7 +205,8 @@ int run(const CommandLine& line) {
   }
   const checker::QueueResult result = checker::check_queue(entry, module, settings, command);
   if (!result.refused.empty())
-    usage_error(fmt::format("queue {} cannot be checked: {}", entry.name, result.refused));
+    throw irt::UsageError(
+        fmt::format("queue {} cannot be checked: {}", entry.name, result.refused));
   for (const checker::ShapeResult& shape : result.shapes)
     if (!shape.report.empty()) std::cout << '\n' << shape.report;
   if (!settings.quiet && !result.unseen.empty())
@@ -311,19 +313,12 @@ int run(int argc, char** argv) {
   app.add_flag("--weak", settings.options.limits.weak_may_fail,
                "compare_exchange_weak may fail for no reason");
   app.add_flag("--quiet", settings.quiet, "print findings only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    app.exit(error);
-    return 2;
-  }
+  if (const auto code = irt::parse(app, argc, argv)) return *code;
   settings.no_memory = failing->count() == 0;
   if (settings.old && seconds->count() == 0) settings.seconds = seconds_for_old;
   if (!line.merge.empty()) return merge(line.merge);
   if (!line.mutants && line.queue.empty() && line.module.empty())
-    usage_error(
+    throw irt::UsageError(
         fmt::format("which queue? --queue takes one of {}", fmt::join(queue_names(), ", ")));
   if (line.mutants) return run_mutants(line);
   prepare(line);
@@ -333,10 +328,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "irt check: %s\n", error.what());
-  }
-  return 2;
+  return irt::run_program("irt check", [&] { return run(argc, argv); });
 }

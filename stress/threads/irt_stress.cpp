@@ -16,6 +16,9 @@
 
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
+#include "stress/running/usage_error.hpp"
 #include "stress/threads/kill_matrix.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/suites.hpp"
@@ -36,12 +39,6 @@ struct Options {
   bool list = false;
   bool mutants = false;
   KillOptions kill;
-};
-
-/// Input that the tool cannot use; `what()` is for the user.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// Whether the queue is somebody else's behind our contract (queues/comparators).
@@ -337,29 +334,12 @@ int parse_and_run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--merge", options.kill.merge, "of --mutants: results of other builds (--json)");
   app.add_flag("--list", options.list, "show scenarios and suites, run nothing");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
-  }
-  try {
-    return irt::stress::stress_queues(options);
-  } catch (const irt::stress::UsageError& error) {
-    fmt::print(stderr, "irt stress: {}\n", error.what());
-  } catch (const irt::RegistryError& error) {
-    fmt::print(stderr, "irt stress: {}\n", error.what());
-  }
-  return 2;
+  if (const auto code = irt::parse(app, argc, argv)) return *code;
+  return irt::stress::stress_queues(options);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return parse_and_run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "irt stress: %s\n", error.what());
-    return 2;
-  }
+  return irt::run_program("irt stress", [&] { return parse_and_run(argc, argv); });
 }

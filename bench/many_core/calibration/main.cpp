@@ -7,6 +7,8 @@
 #include <fstream>
 
 #include "bench/many_core/calibration/calibrate.hpp"
+#include "stress/running/arguments.hpp"
+#include "stress/running/program.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -44,7 +46,7 @@ int run(int argc, char** argv) {
   std::filesystem::path out = "irt-out/calibrated.json";
   app.add_option("--name", name, "what the profile is called")->capture_default_str();
   app.add_option("--out", out, "where it is written")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = parse(app, argc, argv)) return *code;
   if (std::filesystem::is_directory(out)) {
     throw std::runtime_error(out.string() + ": is a directory; --out names a file");
   }
@@ -61,11 +63,5 @@ int run(int argc, char** argv) {
 }  // namespace irt::many_core
 
 int main(int argc, char** argv) {
-  try {
-    const int code = irt::many_core::run(argc, argv);
-    return code == 0 ? 0 : 2;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "irt calibrate: {}\n", error.what());
-  }
-  return 2;
+  return irt::run_program("irt calibrate", [&] { return irt::many_core::run(argc, argv); });
 }

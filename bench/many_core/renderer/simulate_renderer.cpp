@@ -192,13 +192,9 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
   CLI::App app("The renderer on machines that are not there.", "irt simulate");
   add_options(app, given);
   refuse_empty(app);
-  try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  tell_in_one_line(app, "irt simulate");
+  const auto code = parse(app, std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  if (code) return *code;
   const QueueRegistry registry;
   settle(given, registry);
   const Profile profile = load_profile(given.machine);
