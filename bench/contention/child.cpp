@@ -23,14 +23,7 @@ class Answers {
   Answers& operator=(const Answers&) = delete;
   ~Answers() { close(descriptor_); }
 
-  void say(std::string line) const {
-    line += '\n';
-    for (std::size_t done = 0; done < line.size();) {
-      const ssize_t n = write(descriptor_, line.data() + done, line.size() - done);
-      if (n <= 0) _exit(1);  // nobody listens any more
-      done += static_cast<std::size_t>(n);
-    }
-  }
+  void say(const std::string& line) const { irt::say(descriptor_, line + '\n'); }
   void say(const Sample& sample) const {
     say(nlohmann::json(sample).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   }
@@ -42,7 +35,8 @@ class Answers {
 }  // namespace
 
 MeasuringChild::MeasuringChild(const std::filesystem::path& program, const Job& job)
-    : job_(job), process_([&program] {
+    : job_(job), process_([&program](int line) {
+        speak_by_standard_streams(line);
         execl(program.c_str(), program.c_str(), child_command, nullptr);
         throw std::runtime_error(program.string() + " cannot be started");
       }) {

@@ -98,16 +98,14 @@ class Parts {
  public:
   Parts(const Scenario& scenario, const Options& options, unsigned count) : options_(options) {
     for (unsigned part = 0; part < count; ++part)
-      parts_.push_back({.child = Child([&](int pipe) {
-                          const std::string bytes =
-                              work(scenario, options_of(part, count), *shared_.operator->());
-                          send_bytes(pipe, bytes.data(), bytes.size());
+      parts_.push_back({.child = Child([&](int line) {
+                          say(line, work(scenario, options_of(part, count), *shared_.operator->()));
                         })});
   }
 
   Result results() {
     while (std::any_of(parts_.begin(), parts_.end(),
-                       [](const Part& p) { return p.child.pipe() >= 0; })) {
+                       [](const Part& p) { return p.child.line() >= 0; })) {
       listen();
       tell();
     }
@@ -127,19 +125,19 @@ class Parts {
   /// Takes in what has come, and waits a little if that is nothing.
   void listen() {
     std::vector<pollfd> open;
-    for (const Part& part : parts_) open.push_back({part.child.pipe(), POLLIN, 0});
+    for (const Part& part : parts_) open.push_back({part.child.line(), POLLIN, 0});
     if (poll(open.data(), open.size(), 200) < 0 && errno != EINTR)
       throw std::runtime_error(std::string("cannot listen to the parts of a search: ") +
                                std::strerror(errno));
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       Part& part = parts_[i];
-      if (part.child.pipe() < 0) continue;
+      if (part.child.line() < 0) continue;
       if (open[i].revents == 0) {
         watch(i);
         continue;
       }
       char buffer[1 << 16];
-      const ssize_t count = read(part.child.pipe(), buffer, sizeof buffer);
+      const ssize_t count = read(part.child.line(), buffer, sizeof buffer);
       if (count > 0) part.sent.append(buffer, static_cast<std::size_t>(count));
       if (count == 0 || (count < 0 && errno != EINTR)) end(i);
     }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <poll.h>
 #include <stdexcept>
+#include <string_view>
 #include <unistd.h>
 
 namespace irt::checker {
@@ -14,23 +15,27 @@ namespace {
 /// What a message is: a result, an error in words, or nothing more.
 enum class Tag : char { result, error, end };
 
-void send(int pipe, Tag tag, const std::string& bytes) {
-  const std::size_t size = bytes.size();
-  send_bytes(pipe, &tag, sizeof tag);
-  send_bytes(pipe, &size, sizeof size);
-  send_bytes(pipe, bytes.data(), size);
+template <class T>
+std::string_view bytes_of(const T& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-void work_through(int pipe, std::uint64_t first, std::uint64_t step, const WorkerPool::Work& work) {
+void send(int line, Tag tag, const std::string& bytes) {
+  say(line, bytes_of(tag));
+  say(line, bytes_of(bytes.size()));
+  say(line, bytes);
+}
+
+void work_through(int line, std::uint64_t first, std::uint64_t step, const WorkerPool::Work& work) {
   try {
     for (std::uint64_t number = first;; number += step) {
       const std::optional<std::string> result = work(number);
       if (!result) break;
-      send(pipe, Tag::result, *result);
+      send(line, Tag::result, *result);
     }
-    send(pipe, Tag::end, "");
+    send(line, Tag::end, "");
   } catch (const std::exception& error) {
-    send(pipe, Tag::error, error.what());
+    send(line, Tag::error, error.what());
   }
 }
 
@@ -38,7 +43,7 @@ void work_through(int pipe, std::uint64_t first, std::uint64_t step, const Worke
 
 WorkerPool::WorkerPool(unsigned workers, double patience, const Work& work) : patience_(patience) {
   for (unsigned first = 0; first < workers; ++first)
-    workers_.emplace_back([&](int pipe) { work_through(pipe, first, workers, work); });
+    workers_.emplace_back([&](int line) { work_through(line, first, workers, work); });
 }
 
 std::optional<std::string> WorkerPool::next() {
@@ -55,14 +60,14 @@ std::optional<std::string> WorkerPool::next() {
 
 void WorkerPool::take(Child& worker, void* bytes, std::size_t size) const {
   for (char* to = static_cast<char*>(bytes); size > 0;) {
-    pollfd open{worker.pipe(), POLLIN, 0};
+    pollfd open{worker.line(), POLLIN, 0};
     const int ready = poll(&open, 1, static_cast<int>(patience_ * 1000));
     if (ready < 0 && errno != EINTR)
       throw std::runtime_error(std::string("cannot listen to a search: ") + std::strerror(errno));
     if (ready == 0)
       throw std::runtime_error("a search hangs: code that the checker does not see loops for ever");
     if (ready < 0) continue;
-    const ssize_t count = read(worker.pipe(), to, size);
+    const ssize_t count = read(worker.line(), to, size);
     if (count == 0) {
       worker.join("a search");
       throw std::runtime_error("a search ended without a result");

@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <atomic>
 #include <chrono>
-#include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
-#include <poll.h>
-#include <stdexcept>
 #include <string_view>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "stress/running/child_process.hpp"
 #include "stress/threads/sanitizer.hpp"
 #include "stress/threads/signals.hpp"
 
@@ -51,16 +45,6 @@ std::string stack_text(const json& addresses) {
   return text.empty() ? "    (no answer)\n" : text;
 }
 
-std::string read_all(int file) {
-  std::string text;
-  lseek(file, 0, SEEK_SET);
-  std::array<char, 4096> part{};
-  for (ssize_t n = 0; (n = read(file, part.data(), part.size())) > 0;) {
-    text.append(part.data(), static_cast<std::size_t>(n));
-  }
-  return text;
-}
-
 /// A sanitizer's report without the frames that are ours or the language's: what called the queue,
 /// and what started the thread, is the same in every report.
 std::string without_testbed(const std::string& report) {
@@ -87,7 +71,6 @@ struct Listener {
   Result& result;
   Clock::time_point start = Clock::now();
   const std::function<void(std::uint64_t)>& on_progress;
-  std::string buffer = {};
   std::string trying = {};  ///< `Messenger::trying`
 
   void add(Finding finding) {
@@ -127,25 +110,17 @@ struct Listener {
       trying = message["trying"].get<std::string>() + "\n";
     }
   }
-
-  void feed(const char* data, std::size_t size) {
-    buffer.append(data, size);
-    for (std::size_t end = 0; (end = buffer.find('\n')) != std::string::npos;) {
-      take(json::parse(buffer.substr(0, end)));
-      buffer.erase(0, end + 1);
-    }
-  }
 };
 
 /// What the way in which a child ended tells.
-void judge_end(Listener& listener, int status, const std::string& errors) {
+void judge_end(Listener& listener, const Ending& ending) {
   Result& result = listener.result;
-  if (WIFSIGNALED(status)) {
-    listener.add_end(fmt::format("does not crash ({})", strsignal(WTERMSIG(status))), errors);
+  const std::string& errors = ending.errors;
+  if (ending.signal != 0) {
+    listener.add_end(fmt::format("does not crash ({})", strsignal(ending.signal)), errors);
     return;
   }
-  const int code = WEXITSTATUS(status);
-  if (code == 0 || !result.findings.empty()) return;
+  if (ending.code == 0 || !result.findings.empty()) return;
   if (sanitizer == Sanitizer::thread && errors.find("ThreadSanitizer") != std::string::npos) {
     if (fences_executed() > 0 && !result.figures.contains("strengthened") &&
         errors.find("data race") != std::string::npos) {
@@ -160,19 +135,14 @@ void judge_end(Listener& listener, int status, const std::string& errors) {
                   .evidence = without_testbed(errors),
                   .repeat = {}});
   } else {
-    listener.add_end(fmt::format("does not end the process (exit code {})", code), errors);
+    listener.add_end(fmt::format("does not end the process (exit code {})", ending.code), errors);
   }
 }
 
 }  // namespace
 
 void Messenger::send(const json& message) const {
-  const std::string line = message.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
-  for (std::size_t at = 0; at < line.size();) {
-    const ssize_t n = write(descriptor_, line.data() + at, line.size() - at);
-    if (n < 0 && errno != EINTR) _exit(5);
-    if (n > 0) at += static_cast<std::size_t>(n);
-  }
+  say(descriptor_, message.dump(-1, ' ', false, json::error_handler_t::replace) + '\n');
 }
 void Messenger::progress(std::uint64_t operations) {
   send({{"operations", operations}});
@@ -202,52 +172,27 @@ namespace {
 void run_once(Result& result, double seconds, double patience,
               const std::function<void(Messenger&)>& suite,
               const std::function<void(std::uint64_t)>& on_progress) {
-  std::array<int, 2> line{};
-  if (pipe(line.data()) != 0) throw std::runtime_error("no pipe to a child process: out of files");
-  const int errors = memfd_create("stress-errors", 0);
   forget_fences();
-  std::fflush(nullptr);  // or both of us write what is in the buffers
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no child process: the system refuses to fork");
-  if (child == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    close(line[0]);
-    dup2(errors, STDERR_FILENO);
-    report_crashes_to(line[1]);
-    Messenger messenger(line[1]);
+  ChildProcess child([&](int line) {
+    report_crashes_to(line);
+    Messenger messenger(line);
     suite(messenger);
     std::exit(0);  // not _exit: LeakSanitizer reports at exit
-  }
-  close(line[1]);
-
+  });
   Listener listener{.result = result, .on_progress = on_progress};
-  bool killed = false;
-  auto last_word = Clock::now();
-  for (std::array<char, 65536> part{};;) {
-    pollfd wait{.fd = line[0], .events = POLLIN, .revents = 0};
-    const int ready = poll(&wait, 1, 200);
-    if (ready > 0) {
-      const ssize_t n = read(line[0], part.data(), part.size());
-      if (n <= 0) break;
-      listener.feed(part.data(), static_cast<std::size_t>(n));
-      last_word = Clock::now();
-    } else if (since(listener.start) > seconds && since(last_word) > patience) {
-      killed = true;
-      kill(child, SIGKILL);
-    }
-  }
-  close(line[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  static constexpr std::atomic<bool> never{false};
+  const auto next = [&] {
+    return child.line(std::max(patience, seconds - since(listener.start)), never);
+  };
+  for (auto message = next(); message; message = next()) listener.take(json::parse(*message));
+  const Ending ending = child.end(patience, never);
   result.seconds = since(listener.start);
-  if (killed) {
+  if (ending.status == "hung") {
     listener.add_end("does not hang",
                      fmt::format("silent for {} s; not even the watchdog answered", patience));
   } else {
-    judge_end(listener, status, read_all(errors));
+    judge_end(listener, ending);
   }
-  close(errors);
 }
 
 }  // namespace

@@ -27,9 +27,10 @@ void sleep_ms(int milliseconds) {
 }
 
 // Answers every line, until an empty one.
-void echo() {
-  for (std::string line; std::getline(std::cin, line) && !line.empty();) {
-    std::cout << "heard " << line << std::endl;
+void echo(int line) {
+  speak_by_standard_streams(line);
+  for (std::string said; std::getline(std::cin, said) && !said.empty();) {
+    std::cout << "heard " << said << std::endl;
   }
   std::cout << "bye";
 }
@@ -46,7 +47,7 @@ TEST(ChildProcess, HearsAndAnswersUntilItEnds) {
 }
 
 TEST(ChildProcess, OneThatDiesHasNoMoreToSay) {
-  ChildProcess child([] {
+  ChildProcess child([](int) {
     std::cerr << "something broke\n";
     std::abort();
   });
@@ -60,20 +61,21 @@ TEST(ChildProcess, OneThatDiesHasNoMoreToSay) {
 }
 
 TEST(ChildProcess, OneThatThrowsOrSaysNothingHasFailed) {
-  const Ending thrown = in_child(patience, never, [] { throw std::runtime_error("no luck"); });
+  const Ending thrown =
+      in_child(patience, never, []() -> std::string { throw std::runtime_error("no luck"); });
   EXPECT_EQ(thrown.status, "failed");
   EXPECT_NE(thrown.message.find("no luck"), std::string::npos);
-  EXPECT_EQ(in_child(patience, never, [] {}).status, "failed");
+  EXPECT_EQ(in_child(patience, never, [] { return std::string(); }).status, "failed");
 }
 
 TEST(ChildProcess, OneThatIsSilentIsKilled) {
-  ChildProcess child([] { pause(); });
+  ChildProcess child([](int) { pause(); });
   EXPECT_EQ(child.line(0.05, never), std::nullopt);
   EXPECT_EQ(child.end(patience, never).status, "hung");
 }
 
 TEST(ChildProcess, OneThatWasStoppedCanBeCancelled) {
-  ChildProcess child([] { pause(); });
+  ChildProcess child([](int) { pause(); });
   child.stop();
   const std::atomic<bool> cancelled{true};
   EXPECT_EQ(child.line(patience, cancelled), std::nullopt);
@@ -96,7 +98,7 @@ struct Shared {
 
 TEST(ChildProcess, NoThreadRunsWhileItIsStopped) {
   const Shared shared;
-  ChildProcess child([&shared] {
+  ChildProcess child([&shared](int) {
     std::array<std::thread, 3> threads;
     for (std::thread& thread : threads) {
       thread = std::thread([&shared] {
@@ -126,7 +128,7 @@ TEST(ChildProcess, AStoppedOneDoesNotOutliveItsParent) {
   const Shared grandchild;
   const pid_t parent = fork();
   if (parent == 0) {
-    ChildProcess child([&grandchild] {
+    ChildProcess child([&grandchild](int) {
       *grandchild.count = static_cast<unsigned long>(getpid());
       for (;;) pause();
     });
