@@ -7,10 +7,10 @@
 #include <set>
 
 #include "bench/conditions/conditions.hpp"
-#include "bench/contention/statistics.hpp"
 #include "bench/results/fields.hpp"
 #include "bench/running/json_lines.hpp"
 #include "bench/running/text_files.hpp"
+#include "bench/statistics/rank_tests.hpp"
 #include "queues/nearest.hpp"
 #include "stress/running/usage_error.hpp"
 
@@ -134,22 +134,22 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
   }
   line["repetitions"] = {a.size(), b.size()};
   if (a.empty() || b.empty()) {
-    line["verdict"] = words(Verdict::too_few);
+    line["verdict"] = statistics::words(statistics::Verdict::too_few);
     return line;
   }
-  line["median_before"] = median(a);
-  line["median_after"] = median(b);
+  line["median_before"] = statistics::median(a);
+  line["median_after"] = statistics::median(b);
   const Pairs pairs = pairs_of(before, after);
-  const bool paired = pairs.before.size() >= fewest_pairs;
-  Paired found;
+  const bool paired = pairs.before.size() >= statistics::fewest_pairs;
+  statistics::Paired found;
   if (paired) {
-    found = judge_pairs(pairs.before, pairs.after);
+    found = statistics::judge_pairs(pairs.before, pairs.after);
   } else {
-    const Ratio factor = ratio(a, b);
+    const statistics::Ratio factor = statistics::ratio(a, b);
     found = {.ratio = factor.of_medians,
              .interval = factor.interval,
-             .p = mann_whitney(a, b).p,
-             .verdict = judge(a, b)};
+             .p = statistics::mann_whitney(a, b).p,
+             .verdict = statistics::judge(a, b)};
   }
   line["test"] = paired ? "signed-rank" : "mann-whitney";
   line["pairs"] = paired ? json(pairs.before.size()) : json();
@@ -157,7 +157,7 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
   line["ratio_low"] = found.interval ? json(found.interval->low) : json();
   line["ratio_high"] = found.interval ? json(found.interval->high) : json();
   line["p"] = found.p;
-  line["verdict"] = words(found.verdict);
+  line["verdict"] = statistics::words(found.verdict);
   return line;
 }
 

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "bench/contention/histogram.hpp"
-#include "bench/contention/statistics.hpp"
 #include "bench/results/record.hpp"
+#include "bench/statistics/averages.hpp"
 
 namespace irt::contention {
 namespace {
@@ -36,7 +36,7 @@ std::optional<double> mean_of(const std::vector<Sample>& samples, Figure figure)
   std::vector<double> values;
   values.reserve(samples.size());
   for (const Sample& sample : samples) values.push_back(figure(sample));
-  return mean(values);
+  return statistics::mean(values);
 }
 
 double per_second(std::uint64_t count, const Sample& sample) {
@@ -138,7 +138,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
     const auto operations = static_cast<double>(sample.operations());
     cpu_rates.push_back(sample.cpu_seconds > 0 ? operations / sample.cpu_seconds : 0);
   }
-  const auto interval = student_interval(rates);
+  const auto interval = statistics::student_interval(rates);
   const auto rate = [&](std::uint64_t Sample::*count) {
     return or_null(mean_of(samples, [&](const Sample& s) { return per_second(s.*count, s); }));
   };
@@ -169,12 +169,12 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"repetitions", samples.size()},
       {"seconds", plan.seconds},
       {"steady_repetitions", steady},
-      {"operations_per_second", rates.empty() ? Json() : Json(mean(rates))},
+      {"operations_per_second", rates.empty() ? Json() : Json(statistics::mean(rates))},
       {"operations_per_second_low", interval ? Json(interval->low) : Json()},
       {"operations_per_second_high", interval ? Json(interval->high) : Json()},
       {"samples", rates},
       {"rounds", group.rounds},
-      {"operations_per_cpu_second", cpu_rates.empty() ? Json() : Json(mean(cpu_rates))},
+      {"operations_per_cpu_second", cpu_rates.empty() ? Json() : Json(statistics::mean(cpu_rates))},
       {"samples_per_cpu_second", cpu_rates},
       {"failed_pops_per_second", rate(&Sample::failed_pops)},
       {"failed_pushes_per_second", rate(&Sample::failed_pushes)},

@@ -9,13 +9,13 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/contention/busy_wait.hpp"
-#include "bench/contention/statistics.hpp"
 #include "bench/contention/summary.hpp"
 #include "bench/contention/turns.hpp"
 #include "bench/running/interrupt.hpp"
 #include "bench/running/json_lines.hpp"
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
+#include "bench/statistics/averages.hpp"
 #include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
@@ -121,7 +121,7 @@ class Sweep {
       };
       measure_in_turns(program_, {&job, 1}, job.seed, add, cancel_);
     }
-    return costs.empty() ? 0 : median(costs);
+    return costs.empty() ? 0 : statistics::median(costs);
   }
 
   unsigned total() const {

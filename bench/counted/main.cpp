@@ -10,6 +10,7 @@
 #include "bench/counted/counted_queue.hpp"
 #include "bench/counted/pairs.hpp"
 #include "bench/running/text_files.hpp"
+#include "bench/statistics/averages.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
@@ -26,12 +27,6 @@ struct Options {
   PairsOptions pairs;
   std::string json_file;
 };
-
-double median(std::vector<double> samples) {
-  std::ranges::sort(samples);
-  const std::size_t middle = samples.size() / 2;
-  return samples.size() % 2 == 1 ? samples[middle] : (samples[middle - 1] + samples[middle]) / 2;
-}
 
 /// Throws RegistryError for a queue that does not exist or was not built to count.
 void check_names(const QueueRegistry& registry, const std::vector<std::string>& names) {
@@ -57,9 +52,9 @@ json run_object(const QueueEntry& queue, const PairsOptions& options, const Coun
           {"threads", options.threads},
           {"repetitions", options.rounds},
           {"status", "ok"},
-          {"operations_per_second", median(pairs.counted_per_second)},
+          {"operations_per_second", statistics::median(pairs.counted_per_second)},
           {"samples", pairs.counted_per_second},
-          {"plain_operations_per_second", median(pairs.plain_per_second)},
+          {"plain_operations_per_second", statistics::median(pairs.plain_per_second)},
           {"plain_samples", pairs.plain_per_second},
           {"retries_per_operation", per_operation(pairs.events.failed_compare_exchanges)},
           {"compare_exchanges_per_operation", per_operation(pairs.events.compare_exchanges)},

@@ -7,6 +7,7 @@
 #include "bench/results/record.hpp"
 #include "bench/running/interrupt.hpp"
 #include "bench/running/text_files.hpp"
+#include "bench/statistics/averages.hpp"
 #include "renderer/engine/collision.hpp"
 
 namespace irt {
@@ -53,7 +54,7 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
     rays = stats.rays();
     if (frame > 0) seconds.push_back(stats.seconds());
   }
-  const double median = quantile(seconds, 0.5);
+  const double median = statistics::median(seconds);
   const std::string hash = hash_of(query.contacts());
   fmt::print(
       beside(options.json),
@@ -72,8 +73,8 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
                   {"collisions", query.total()},
                   {"frames", options.frames},
                   {"fps", 1 / median},
-                  {"fps_lower_quartile", 1 / quantile(seconds, 0.75)},
-                  {"fps_upper_quartile", 1 / quantile(seconds, 0.25)},
+                  {"fps_lower_quartile", 1 / statistics::quantile(seconds, 0.75)},
+                  {"fps_upper_quartile", 1 / statistics::quantile(seconds, 0.25)},
                   {"rays_per_second", static_cast<double>(rays) / median},
                   {"contacts_hash", hash},
                   {"conditions", conditions(engine->pinned() ? "one thread per core" : "none")}});

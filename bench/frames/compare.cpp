@@ -14,6 +14,7 @@
 #include "bench/running/interrupt.hpp"
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
+#include "bench/statistics/averages.hpp"
 #include "stress/running/child_process.hpp"
 #include "stress/running/usage_error.hpp"
 
@@ -314,7 +315,7 @@ class Comparison {
                     seconds.push_back(std::chrono::duration<double>(now - begin).count());
                   begin = now;
                 });
-    return seconds.empty() ? expected : quantile(std::move(seconds), 0.5);
+    return seconds.empty() ? expected : statistics::median(std::move(seconds));
   }
 
   void show_first_frame(const Workload& workload) const {

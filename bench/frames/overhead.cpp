@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <ctime>
 #include <fmt/format.h>
 
@@ -9,6 +8,7 @@
 #include "bench/frames/files.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/running/interrupt.hpp"
+#include "bench/statistics/averages.hpp"
 #include "queues/blocking/two_lock_queue.hpp"
 #include "renderer/engine/queue_engine.hpp"
 #include "renderer/engine/trace_log.hpp"
@@ -31,18 +31,12 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-struct Interval {
-  double low, middle, high;
-};
-
-// By how much `seconds` are more than `base`, round by round: the median, and the order statistics
-// that enclose it with 95 % confidence.
-Interval change_to(const std::vector<double>& base, const std::vector<double>& seconds) {
+// By how much `seconds` are more than `base`, round by round.
+std::vector<double> changes_to(const std::vector<double>& base,
+                               const std::vector<double>& seconds) {
   std::vector<double> changes;
   for (std::size_t i = 0; i < base.size(); ++i) changes.push_back(seconds[i] / base[i] - 1);
-  const double n = static_cast<double>(changes.size());
-  const double reach = std::min(0.98 * std::sqrt(n) / n, 0.5);
-  return {quantile(changes, 0.5 - reach), quantile(changes, 0.5), quantile(changes, 0.5 + reach)};
+  return changes;
 }
 
 // Nanoseconds that one push and one pop take together, least of several batches.
@@ -109,19 +103,20 @@ int overhead(OverheadOptions options) {
   fmt::print(people, "{:<24}{:>14}{:>14}{:>24}\n", "", "CPU ms/frame", "to the first",
              "95 % interval");
   for (const Variant& variant : variants) {
-    const Interval change = change_to(variants.front().seconds, variant.seconds);
-    const double median = quantile(variant.seconds, 0.5);
+    const std::vector<double> changes = changes_to(variants.front().seconds, variant.seconds);
+    const double change = statistics::median(changes);
+    const auto [low, high] = statistics::median_interval(changes);
+    const double median = statistics::median(variant.seconds);
     fmt::print(people, "{:<24}{:>14.2f}{:>+13.2f}%{:>24}\n", variant.name, 1e3 * median,
-               100 * change.middle,
-               fmt::format("{:+.2f} to {:+.2f} %", 100 * change.low, 100 * change.high));
+               100 * change, fmt::format("{:+.2f} to {:+.2f} %", 100 * low, 100 * high));
     runs.push_back({{"variant", variant.name},
                     {"scene", workload.options().scene},
                     {"threads", measured.threads},
                     {"frames", variant.seconds.size()},
                     {"cpu_seconds_per_frame", median},
-                    {"change", change.middle},
-                    {"change_low", change.low},
-                    {"change_high", change.high},
+                    {"change", change},
+                    {"change_low", low},
+                    {"change_high", high},
                     {"conditions", taken}});
   }
 
@@ -132,7 +127,7 @@ int overhead(OverheadOptions options) {
   const double extra_ns = pair_ns(*face) - pair_ns(concrete);
   const auto tasks =
       static_cast<double>(variants.front().engine->run(workload.application()).total().tasks);
-  const double share = extra_ns * 1e-9 * tasks / quantile(variants.front().seconds, 0.5);
+  const double share = extra_ns * 1e-9 * tasks / statistics::median(variants.front().seconds);
   fmt::print(people,
              "\nThe face alone: {:.1f} ns per push and pop, {:.0f} tasks per frame: {:+.4f} %\n",
              extra_ns, tasks, 100 * share);

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
 
-#include "bench/frames/mean_interval.hpp"
 #include "bench/results/record.hpp"
+#include "bench/statistics/averages.hpp"
 
 namespace irt {
 namespace {
@@ -36,7 +36,7 @@ std::vector<Group> group(std::span<const Sample> samples) {
     });
     const bool first = found == groups.end();
     if (first) found = groups.insert(found, {sample, {}});
-    if (measured) found->fps.push_back(1 / quantile(sample.seconds, 0.5));
+    if (measured) found->fps.push_back(1 / statistics::median(sample.seconds));
     Sample& sum = found->sum;
     if (first) continue;
     note_trouble(sum, sample);
@@ -82,12 +82,12 @@ Json run_of(const Group& group, const Background& background, double one_thread_
   const WorkloadOptions& options = background.workload;
   const auto frames = static_cast<double>(sum.seconds.size());
   const bool measured = !sum.seconds.empty();
-  const double fps = measured ? 1 / quantile(sum.seconds, 0.5) : 0;
+  const double fps = measured ? 1 / statistics::median(sum.seconds) : 0;
   const double all_s = sum.pose_s + sum.update_s + sum.generate_s + sum.render_s + sum.output_s;
   const double threads_s = sum.render_s * sum.threads;
   const double rays_per_frame = per(static_cast<double>(sum.rays), frames);
   const TimeHistogram gets = histogram(sum.gets), adds = histogram(sum.adds);
-  const MeanInterval repeated = mean_interval(group.fps);
+  const auto repeated = statistics::student_interval(group.fps);
   const auto share = [](double part, double whole) { return per(part, whole); };
   const bool queued = sum.queue != "-";
   const auto of_motion = [&](double figure) {
@@ -115,11 +115,11 @@ Json run_of(const Group& group, const Background& background, double one_thread_
                     });
   Json figures = results::record({
       {"fps", fps},
-      {"fps_low", repeated.low ? Json(*repeated.low) : Json()},
-      {"fps_high", repeated.high ? Json(*repeated.high) : Json()},
+      {"fps_low", repeated ? Json(repeated->low) : Json()},
+      {"fps_high", repeated ? Json(repeated->high) : Json()},
       {"fps_samples", group.fps},
-      {"fps_lower_quartile", measured ? 1 / quantile(sum.seconds, 0.75) : 0},
-      {"fps_upper_quartile", measured ? 1 / quantile(sum.seconds, 0.25) : 0},
+      {"fps_lower_quartile", measured ? 1 / statistics::quantile(sum.seconds, 0.75) : 0},
+      {"fps_upper_quartile", measured ? 1 / statistics::quantile(sum.seconds, 0.25) : 0},
       {"seconds_per_frame", measured ? 1 / fps : 0},
       {"rays_per_frame", rays_per_frame},
       {"rays_per_second", rays_per_frame * fps},
@@ -169,14 +169,6 @@ Json run_of(const Group& group, const Background& background, double one_thread_
 
 }  // namespace
 
-double quantile(std::vector<double> values, double q) {
-  std::ranges::sort(values);
-  const double at = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
-}
-
 nlohmann::ordered_json summarise(std::span<const Sample> samples,
                                  std::span<const Background> backgrounds) {
   const std::vector<Group> groups = group(samples);
@@ -184,7 +176,7 @@ nlohmann::ordered_json summarise(std::span<const Sample> samples,
   for (const Group& one : groups) {
     if (one.sum.threads != 1 || one.sum.seconds.empty()) continue;
     double& fps = one_thread_fps[one.sum.workload];
-    fps = std::max(fps, 1 / quantile(one.sum.seconds, 0.5));
+    fps = std::max(fps, 1 / statistics::median(one.sum.seconds));
   }
   Json runs = Json::array();
   for (const Group& one : groups) {

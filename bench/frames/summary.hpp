@@ -37,7 +37,4 @@ std::string table(const nlohmann::ordered_json& runs);
 /// One line per run under a line of names: all fields but the conditions and lists.
 std::string csv(const nlohmann::ordered_json& runs);
 
-/// The value below which a share `q` in [0, 1] of `values` lies, interpolated; `values` not empty.
-double quantile(std::vector<double> values, double q);
-
 }  // namespace irt

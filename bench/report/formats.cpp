@@ -9,10 +9,10 @@
 
 #include "bench/contention/summary.hpp"
 #include "bench/frames/journal.hpp"
-#include "bench/frames/mean_interval.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/report/results.hpp"
 #include "bench/results/record.hpp"
+#include "bench/statistics/averages.hpp"
 
 namespace irt {
 namespace {
@@ -75,10 +75,6 @@ Json conditions_of(const Json& context) {
   return conditions;
 }
 
-Json interval_or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json();
-}
-
 // The repetitions of one benchmark, made a run.
 Json micro_run(const std::string& name, const std::vector<Json>& entries, const Json& conditions) {
   Json run = results::record(
@@ -99,28 +95,29 @@ Json micro_run(const std::string& name, const std::vector<Json>& entries, const 
         entries, [&](const Json& entry) { return entry.value("aggregate_name", "") == wanted; });
     return found == entries.end() ? nullptr : &*found;
   };
-  MeanInterval time;
+  double time = 0;
+  std::optional<statistics::Interval> interval;
   auto repetitions = samples.size();
   if (!samples.empty()) {
-    time = mean_interval(samples);
+    time = statistics::mean(samples);
+    interval = statistics::student_interval(samples);
   } else if (const Json* mean = aggregate("mean")) {
     const double unit = nanoseconds_per(mean->value("time_unit", "ns"));
-    time.mean = mean->at("real_time").get<double>() * unit;
+    time = mean->at("real_time").get<double>() * unit;
     repetitions = mean->value("repetitions", std::size_t{0});
     if (const Json* deviation = aggregate("stddev"); deviation != nullptr && repetitions > 1) {
       const double half =
-          half_interval(deviation->at("real_time").get<double>() * unit, repetitions);
-      time.low = time.mean - half;
-      time.high = time.mean + half;
+          statistics::half_interval(deviation->at("real_time").get<double>() * unit, repetitions);
+      interval = {time - half, time + half};
     }
   }
   const bool measured = repetitions > 0;
   results::add(run, {{"status", message.empty() ? "ok" : "failed"},
                      {"message", message},
                      {"repetitions", repetitions},
-                     {"ns_per_operation", measured ? Json(time.mean) : Json()},
-                     {"ns_per_operation_low", interval_or_null(time.low)},
-                     {"ns_per_operation_high", interval_or_null(time.high)},
+                     {"ns_per_operation", measured ? Json(time) : Json()},
+                     {"ns_per_operation_low", interval ? Json(interval->low) : Json()},
+                     {"ns_per_operation_high", interval ? Json(interval->high) : Json()},
                      {"samples", samples},
                      {"conditions", conditions}});
   return run;

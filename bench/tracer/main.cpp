@@ -8,6 +8,7 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/running/text_files.hpp"
+#include "bench/statistics/averages.hpp"
 #include "bench/tracer/contestant.hpp"
 #include "bench/tracer/frame.hpp"
 #include "bench/tracer/measurement.hpp"
@@ -52,7 +53,7 @@ class Report {
   void build(const Scene& scene, unsigned threads, const std::string& name,
              const std::vector<double>& wall_ms, double sah_cost) {
     fmt::print(out(), "  build  {:<16} {} thread{}  {:8.1f} ms{}\n", name, threads,
-               threads == 1 ? " " : "s", median(wall_ms),
+               threads == 1 ? " " : "s", statistics::median(wall_ms),
                sah_cost > 0 ? fmt::format("  SAH cost {:.2f}", sah_cost) : "");
     json_["builds"].push_back({{"scene", scene.name},
                                {"triangles", scene.mesh.triangles.size()},
@@ -139,7 +140,8 @@ void add_ratio(std::string& line, std::string_view name, const Contestants& cont
   std::size_t best[2] = {rounds.size(), rounds.size()};  // of the others, of ours
   for (std::size_t i = 0; i < rounds.size(); ++i) {
     std::size_t& least = best[contestants[i].ours];
-    if (least == rounds.size() || median(rounds[i]) < median(rounds[least])) least = i;
+    if (least == rounds.size() || statistics::median(rounds[i]) < statistics::median(rounds[least]))
+      least = i;
   }
   if (best[0] == rounds.size() || best[1] == rounds.size()) return;
   // Of neighbours in time: what disturbs a round disturbs both.
@@ -147,7 +149,7 @@ void add_ratio(std::string& line, std::string_view name, const Contestants& cont
   for (std::size_t round = 0; round < rounds[best[0]].size(); ++round) {
     ratios.push_back(rounds[best[0]][round] / rounds[best[1]][round]);
   }
-  line += fmt::format("  {} {:.2f}x (±{:.0f} %)", name, median(ratios), spread(ratios));
+  line += fmt::format("  {} {:.2f}x (±{:.0f} %)", name, statistics::median(ratios), spread(ratios));
 }
 
 void print_rows(std::FILE* out, const Contestants& contestants, const std::vector<Row>& rows,
@@ -162,7 +164,8 @@ void print_rows(std::FILE* out, const Contestants& contestants, const std::vecto
                  static_cast<double>(rays[kind]) * threads / times.busy_ms() / 1e3,
                  spread(times.rounds_ms()));
     }
-    fmt::print(out, "{:>11.2f} ({:>2.0f})\n", median(rows[i].frame_ms), spread(rows[i].frame_ms));
+    fmt::print(out, "{:>11.2f} ({:>2.0f})\n", statistics::median(rows[i].frame_ms),
+               spread(rows[i].frame_ms));
   }
   std::string line;
   for (int kind = 0; kind < 3; ++kind) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "bench/statistics/averages.hpp"
 #include "renderer/tracing/stopwatch.hpp"
 
 namespace irt::bench {
@@ -26,23 +27,12 @@ bool same_bits(float a, float b) {
 
 }  // namespace
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const std::size_t middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle),
-                   values.end());
-  if (values.size() % 2 == 1) return values[middle];
-  return (values[middle] +
-          *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle))) /
-         2;
-}
-
 double spread(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   const double low = values[values.size() / 4],
                high = values[values.size() - 1 - values.size() / 4];
-  return 50 * (high - low) / median(values);
+  return 50 * (high - low) / statistics::median(values);
 }
 
 void trace_all(const Contestant& contestant, RayKind kind, std::span<const Rays> batches,
@@ -90,7 +80,7 @@ double TaskTimes::busy_ms() const {
   for (std::size_t task = 0; task < rounds_.front().size(); ++task) {
     std::vector<double> taken;
     for (const auto& round : rounds_) taken.push_back(milliseconds(round[task]));
-    sum += median(std::move(taken));
+    sum += statistics::median(std::move(taken));
   }
   return sum;
 }

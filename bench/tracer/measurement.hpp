@@ -11,7 +11,6 @@
 
 namespace irt::bench {
 
-double median(std::vector<double> values);
 /// Half the range of the middle half of `values`, in per cent of their median.
 double spread(std::vector<double> values);
 

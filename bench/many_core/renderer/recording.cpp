@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "bench/many_core/calibration/primitives.hpp"
+#include "bench/statistics/averages.hpp"
 #include "renderer/engine/trace_and_shade.hpp"
 #include "renderer/tracing/stopwatch.hpp"
 
@@ -130,21 +131,13 @@ class Recorder {
   Answers answers_;
 };
 
-template <class T>
-T quantile_of(std::vector<T>& values, std::size_t numerator, std::size_t denominator) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * numerator / denominator);
-  std::ranges::nth_element(values, at);
-  return *at;
-}
-
 // The median over all frames of what `of` says of one.
 template <class Of>
 auto median(const std::vector<Recording>& frames, Of of) {
-  std::vector<decltype(of(frames.front()))> values;
+  std::vector<double> values;
   values.reserve(frames.size());
   for (const Recording& frame : frames) values.push_back(of(frame));
-  return quantile_of(values, 1, 2);
+  return static_cast<decltype(of(frames.front()))>(statistics::median(std::move(values)));
 }
 
 }  // namespace
@@ -177,8 +170,9 @@ Recording record(const Workload& workload, unsigned repetitions, const std::atom
   std::vector<double> whole;
   whole.reserve(frames.size());
   for (const Recording& frame : frames) whole.push_back(frame.work_ns());
-  const double lower = quantile_of(whole, 1, 4), upper = quantile_of(whole, 3, 4);
-  result.spread = (upper - lower) / quantile_of(whole, 1, 2);
+  const double lower = statistics::quantile(whole, 0.25);
+  const double upper = statistics::quantile(whole, 0.75);
+  result.spread = (upper - lower) / statistics::median(whole);
   result.repetitions = repetitions;
   result.clock_ghz = 1 / measure_cycle().median;
   return result;

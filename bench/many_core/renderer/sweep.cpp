@@ -5,10 +5,10 @@
 #include <map>
 #include <thread>
 
-#include "bench/frames/mean_interval.hpp"
 #include "bench/many_core/sweeps/children.hpp"
 #include "bench/many_core/sweeps/runs.hpp"
 #include "bench/results/record.hpp"
+#include "bench/statistics/averages.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -42,10 +42,10 @@ Json merged(const std::vector<Json>& results) {
   std::vector<double> fps;
   fps.reserve(results.size());
   for (const Json& result : results) fps.push_back(result["fps"]);
-  const MeanInterval interval = mean_interval(fps);
-  run["fps"] = interval.mean;
-  run["fps_low"] = interval.low ? Json(*interval.low) : Json(nullptr);
-  run["fps_high"] = interval.high ? Json(*interval.high) : Json(nullptr);
+  const auto interval = statistics::student_interval(fps);
+  run["fps"] = statistics::mean(fps);
+  run["fps_low"] = interval ? Json(interval->low) : Json();
+  run["fps_high"] = interval ? Json(interval->high) : Json();
   run["samples"] = fps;
   for (const auto& [key, value] : results.front().items()) {
     if (value.is_number() && key != "fps") run[key] = mean_of(results, key);

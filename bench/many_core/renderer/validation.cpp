@@ -3,7 +3,7 @@
 #include <map>
 
 #include "bench/frames/sample.hpp"
-#include "bench/frames/summary.hpp"
+#include "bench/statistics/averages.hpp"
 #include "queues/registry.hpp"
 
 namespace irt::many_core {
@@ -33,14 +33,14 @@ std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload, const 
     nlohmann::ordered_json line{{"kind", "validation"},
                                 {"queue", run["queue"]},
                                 {"threads", run["threads"]},
-                                {"measured_fps", 1 / quantile(measured, 0.5)},
-                                {"measured_low", 1 / quantile(measured, 0.75)},
-                                {"measured_high", 1 / quantile(measured, 0.25)},
+                                {"measured_fps", 1 / statistics::median(measured)},
+                                {"measured_low", 1 / statistics::quantile(measured, 0.75)},
+                                {"measured_high", 1 / statistics::quantile(measured, 0.25)},
                                 {"status", run["status"]},
                                 {"message", run["message"]}};
     if (run["status"] == "ok") {
       line["predicted_fps"] = run["fps"];
-      line["ratio"] = run["fps"].get<double>() * quantile(measured, 0.5);
+      line["ratio"] = run["fps"].get<double>() * statistics::median(measured);
     }
     compared.push_back(std::move(line));
   }

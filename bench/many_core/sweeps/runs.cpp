@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
-#include <cmath>
 #include <fmt/format.h>
 
 #include "bench/results/record.hpp"
+#include "bench/statistics/averages.hpp"
 #include "renderer/engine/time_histogram.hpp"
 
 namespace irt::many_core {
@@ -19,23 +18,6 @@ std::vector<double> values(std::span<const nlohmann::json> results, const char* 
   std::vector<double> all;
   for (const nlohmann::json& result : results) all.push_back(result.value(key, 0.0));
   return all;
-}
-
-double mean(std::span<const double> values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-// Half of the interval in which the mean lies with a confidence of 95 per cent (Student 1908).
-double half_interval(std::span<const double> values) {
-  if (values.size() < 2) return 0;
-  const double middle = mean(values);
-  double squares = 0;
-  for (const double value : values) squares += (value - middle) * (value - middle);
-  const auto n = static_cast<double>(values.size());
-  const boost::math::students_t distribution(n - 1);
-  return quantile(distribution, 0.975) * std::sqrt(squares / (n - 1) / n);
 }
 
 Json per(double sum, double count) {
@@ -112,13 +94,13 @@ Json summarise(const Profile& profile, const Point& point,
   });
   const bool ok = status == "ok";
   const std::vector<double> samples = values(results, "operations_per_second");
-  const double operations_per_second = ok ? mean(samples) : 0;
-  const double half = ok ? half_interval(samples) : 0;
+  const double operations_per_second = ok ? statistics::mean(samples) : 0;
+  const double half = ok ? statistics::half_interval(samples).value_or(0) : 0;
   const auto seconds = point.measured_ns * 1e-9;
   const auto n = static_cast<double>(results.size());
   double operations = 0;
   for (const double rate : samples) operations += rate * seconds;
-  const auto sum = [&](const char* key) { return mean(values(results, key)) * n; };
+  const auto sum = [&](const char* key) { return statistics::mean(values(results, key)) * n; };
   Json waiting;
   if (ok) {
     for (const auto& [cause, share] : results[0]["waiting"].items()) {
@@ -136,7 +118,7 @@ Json summarise(const Profile& profile, const Point& point,
                    {"samples", samples},
                    {"failed_pops_per_second", if_ok(sum("failed_pops") / n / seconds)},
                    {"failed_pushes_per_second", if_ok(sum("failed_pushes") / n / seconds)},
-                   {"fairness", if_ok(mean(values(results, "fairness")))},
+                   {"fairness", if_ok(statistics::mean(values(results, "fairness")))},
                    {"latency_ns",
                     ok ? Json{{"push", latency(results, "push")}, {"pop", latency(results, "pop")}}
                        : Json()},

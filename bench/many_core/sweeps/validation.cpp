@@ -12,6 +12,7 @@
 #include "bench/many_core/sweeps/native.hpp"
 #include "bench/many_core/sweeps/runs.hpp"
 #include "bench/running/interrupt.hpp"
+#include "bench/statistics/averages.hpp"
 #include "queues/registry.hpp"
 
 namespace irt::many_core {
@@ -30,11 +31,6 @@ constexpr double clear_gap = 1.5;
 
 double factor(double a, double b) {
   return a > b ? a / b : b / a;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
 }
 
 bool available(const std::string& subject, bool primitive) {
@@ -92,8 +88,8 @@ bool validate_here(const SweepOptions& options, const std::atomic<bool>& interru
       options.work_ns, profile.name, "queue", "threads", "measured Mops", "simulated Mops",
       "ratio");
   for (std::size_t i = 0; i < tasks.size() && !interrupted; ++i) {
-    const double measured =
-        median(measure_pairs(*entries[i], tasks[i].point.threads, options.work_ns, 0.1, 5));
+    const double measured = statistics::median(
+        measure_pairs(*entries[i], tasks[i].point.threads, options.work_ns, 0.1, 5));
     fmt::print("{:<24}{:>8}{:>15.2f}{:>15.2f}{:>8.2f}\n", tasks[i].point.subject,
                tasks[i].point.threads, measured / 1e6, simulated[i] / 1e6, simulated[i] / measured);
   }

@@ -28,13 +28,6 @@ Sample sample(const std::string& queue, unsigned threads, std::vector<double> se
   return one;
 }
 
-TEST(Quantile, Interpolates) {
-  EXPECT_DOUBLE_EQ(quantile({3, 1, 2}, 0.5), 2);
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile({1, 2, 3, 4, 5}, 0.25), 2);
-  EXPECT_DOUBLE_EQ(quantile({7}, 0.75), 7);
-}
-
 TEST(Summary, WritesTheFieldsOfItsTool) {
   const auto runs = summarise(std::vector{sample("lock", 1, {0.5})}, std::vector<Background>(1));
   EXPECT_EQ(keys_of(runs[0]), fields_by(results::by_render));

@@ -1,38 +1,14 @@
 // Known values are counted by hand or taken from tables of the distributions.
-#include "bench/contention/statistics.hpp"
+#include "bench/statistics/rank_tests.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
-namespace irt::contention {
+namespace irt::statistics {
 namespace {
 
 using Values = std::vector<double>;
-
-TEST(StudentInterval, KnownValues) {
-  EXPECT_FALSE(student_interval(Values{}));
-  EXPECT_FALSE(student_interval(Values{3}));
-  // Mean 3, standard deviation sqrt(2.5), t(4, 0.975) = 2.776445.
-  const auto five = student_interval(Values{1, 2, 3, 4, 5});
-  EXPECT_NEAR(five->low, 3 - 2.776445 * std::sqrt(2.5 / 5), 1e-6);
-  EXPECT_NEAR(five->high, 3 + 2.776445 * std::sqrt(2.5 / 5), 1e-6);
-  // t(1, 0.975) = 12.706205.
-  EXPECT_NEAR(student_interval(Values{0, 2})->high, 1 + 12.706205, 1e-6);
-}
-
-TEST(StudentInterval, HoldsTheMeanInNineteenOfTwentyCases) {
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> rate(100, 5);
-  int holds = 0;
-  for (int i = 0; i < 4000; ++i) {
-    Values values(5);
-    for (double& value : values) value = rate(random);
-    const Interval interval = *student_interval(values);
-    holds += interval.low <= 100 && 100 <= interval.high ? 1 : 0;
-  }
-  EXPECT_NEAR(holds / 4000.0, 0.95, 0.015);  // four standard errors
-}
 
 TEST(MannWhitney, SmallSetsByCountingByHand) {
   // Of the 20 ways to choose three of six, one has all of `a` below `b`; two-sided, one more.
@@ -221,4 +197,4 @@ TEST(Pairs, TheIntervalHoldsTheTruthAndAgreesWithTheVerdict) {
 }
 
 }  // namespace
-}  // namespace irt::contention
+}  // namespace irt::statistics

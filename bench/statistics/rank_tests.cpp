@@ -1,13 +1,12 @@
-#include "bench/contention/statistics.hpp"
+#include "bench/statistics/rank_tests.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
 
-namespace irt::contention {
+namespace irt::statistics {
 namespace {
 
 constexpr double level = 0.05;
@@ -102,27 +101,6 @@ std::optional<std::size_t> signed_critical(std::size_t n) {
 }
 
 }  // namespace
-
-double mean(std::span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
-std::optional<Interval> student_interval(std::span<const double> values) {
-  if (values.size() < 2) return std::nullopt;
-  const double n = static_cast<double>(values.size());
-  const double middle = mean(values);
-  double squares = 0;
-  for (const double value : values) squares += (value - middle) * (value - middle);
-  const double error = std::sqrt(squares / (n - 1) / n);
-  const double t = quantile(complement(boost::math::students_t(n - 1), level / 2));
-  return Interval{middle - t * error, middle + t * error};
-}
 
 RankTest mann_whitney(std::span<const double> a, std::span<const double> b) {
   RankTest test;
@@ -233,4 +211,4 @@ const char* words(Verdict verdict) {
   return "";
 }
 
-}  // namespace irt::contention
+}  // namespace irt::statistics

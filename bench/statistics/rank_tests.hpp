@@ -1,22 +1,13 @@
-/// What repetitions allow one to say.
+/// Which of two sets of measurements is larger, whatever their distributions.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
-#include <vector>
 
-namespace irt::contention {
+#include "bench/statistics/averages.hpp"
 
-/// Where a mean, or a ratio, lies with a confidence of 95 per cent.
-struct Interval {
-  double low = 0, high = 0;
-};
-
-double mean(std::span<const double> values);
-double median(std::vector<double> values);
-
-/// Of the mean of normally distributed values (Student 1908). Nothing for fewer than two.
-std::optional<Interval> student_interval(std::span<const double> values);
+namespace irt::statistics {
 
 /// The test by Mann and Whitney (1947) of whether values of `a` tend to be smaller or larger than
 /// those of `b`, two-sided.
@@ -63,4 +54,4 @@ struct Paired {
 Paired judge_pairs(std::span<const double> a, std::span<const double> b);
 inline constexpr std::size_t fewest_pairs = 6;  ///< of five, all on one side come once in 16 times
 
-}  // namespace irt::contention
+}  // namespace irt::statistics
