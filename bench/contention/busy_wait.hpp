@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "bench/contention/random.hpp"
+#include "queues/split_mix.hpp"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -67,12 +67,11 @@ class Waits {
         least_(mean - half_),
         random_(seed) {}
 
-  std::uint64_t next() {
-    return half_ == 0 ? least_ : least_ + next_random(random_) % (2 * half_ + 1);
-  }
+  std::uint64_t next() { return half_ == 0 ? least_ : least_ + random_.below(2 * half_ + 1); }
 
  private:
-  std::uint64_t half_, least_, random_;
+  std::uint64_t half_, least_;
+  SplitMix random_;
 };
 
 }  // namespace irt::contention

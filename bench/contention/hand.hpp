@@ -78,7 +78,7 @@ class Hand {
   [[gnu::always_inline]] void work() { busy_wait(waits_.next()); }
 
   [[gnu::always_inline]] std::uint64_t random(std::uint64_t bound) {
-    return next_random(seat_.random) % bound;
+    return seat_.random.below(bound);
   }
   Seat& seat() { return seat_; }
 

@@ -83,10 +83,10 @@ class Measurement {
         operations_(job.threads, 0) {
     table_.backlog = job.capacity;
     table_.pause_steps = steps_for(1000, job.pace);
-    std::uint64_t seed = job.seed;
+    SplitMix seeds(job.seed);
     for (unsigned i = 0; i < job.threads; ++i) {
-      const Waits own(steps_for(job.work_ns, job.pace), job.work_spread, next_random(seed));
-      seats_.push_back(std::make_unique<Seat>(table_, i, own, next_random(seed)));
+      const Waits own(steps_for(job.work_ns, job.pace), job.work_spread, seeds.next());
+      seats_.push_back(std::make_unique<Seat>(table_, i, own, seeds.next()));
       seats_.back()->producer_pause_steps = steps_for(scenario_.producer_pause_ns, job.pace);
     }
     // The histograms and whatever else is ours is in place: what comes now is the queue's.

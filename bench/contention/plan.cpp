@@ -8,6 +8,7 @@
 #include "bench/conditions/claims.hpp"
 #include "bench/contention/busy_wait.hpp"
 #include "bench/contention/counting.hpp"
+#include "bench/contention/shuffle.hpp"
 #include "bench/contention/subject.hpp"
 #include "bench/contention/turns.hpp"
 #include "queues/baselines/baselines.hpp"
@@ -134,7 +135,7 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
 }
 
 Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pace, Pass pass) {
-  std::uint64_t seed = plan.seed + (std::uint64_t{row.cell} << 32) + repetition;
+  SplitMix seeds(plan.seed + (std::uint64_t{row.cell} << 32) + repetition);
   const auto processors = row.placement.processors.empty()
                               ? std::max(1U, std::thread::hardware_concurrency())
                               : static_cast<unsigned>(row.placement.processors.size());
@@ -155,7 +156,7 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pa
           .warmup_seconds = plan.warmup,
           .patience_seconds = plan.patience,
           .pass = pass,
-          .seed = next_random(seed),
+          .seed = seeds.next(),
           .plugins = plan.plugins};
 }
 
@@ -170,7 +171,7 @@ std::vector<unsigned> order_of(const std::vector<Row>& rows, unsigned repetition
                                std::uint64_t seed) {
   std::vector<unsigned> order(rows.size());
   for (unsigned i = 0; i < order.size(); ++i) order[i] = i;
-  std::uint64_t random = seed * 1'000'003 + repetition;
+  SplitMix random(seed * 1'000'003 + repetition);
   for (std::size_t begin = 0; begin < rows.size();) {
     std::size_t end = begin;
     while (end < rows.size() && rows[end].cell == rows[begin].cell) ++end;

@@ -77,7 +77,7 @@ struct Seat {
   Table& table;
   unsigned worker;
   Waits waits;  ///< between operations
-  std::uint64_t random;
+  SplitMix random;
   std::uint64_t producer_pause_steps = 0;
   Histogram push_times, pop_times;  ///< ticks; of operations that succeeded
   std::uint64_t in = 0, out = 0;    ///< sums of the elements pushed and popped

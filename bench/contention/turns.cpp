@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/contention/child.hpp"
-#include "bench/contention/random.hpp"
+#include "bench/contention/shuffle.hpp"
 
 namespace irt::contention {
 namespace {
@@ -87,9 +87,10 @@ void measure_in_turns(const std::filesystem::path& program, std::span<const Job>
   round.start(program);
   std::vector<std::size_t> order(jobs.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  SplitMix random(seed);
   for (unsigned lap = 0; lap < jobs.front().turns; ++lap) {
     if (lap % 2 == 0) {
-      shuffle(std::span(order), seed);
+      shuffle(std::span(order), random);
     } else {
       std::ranges::reverse(order);
     }

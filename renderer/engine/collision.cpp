@@ -1,5 +1,6 @@
 #include "renderer/engine/collision.hpp"
 
+#include "queues/split_mix.hpp"
 #include "renderer/tracing/surface.hpp"
 
 namespace irt {
@@ -53,20 +54,14 @@ std::vector<Particle> particle_cloud(const Mesh& mesh, std::uint32_t count, std:
     low = min(low, vertex);
     high = max(high, vertex);
   }
-  // SplitMix64 (Steele, Lea and Flood 2014): the library's distributions differ between systems.
-  const auto random = [&seed] {
-    std::uint64_t bits = seed += 0x9e37'79b9'7f4a'7c15u;
-    bits = (bits ^ (bits >> 30)) * 0xbf58'476d'1ce4'e5b9u;
-    bits = (bits ^ (bits >> 27)) * 0x94d0'49bb'1331'11ebu;
-    return static_cast<float>((bits ^ (bits >> 31)) >> 40) * 0x1p-24f;
-  };
+  SplitMix random(seed);
   const Vec3 size = high - low;
   const float reach = 0.25f * length(size);
   std::vector<Particle> particles(count);
   for (Particle& particle : particles) {
     for (int axis = 0; axis < 3; ++axis) {
-      particle.position[axis] = low[axis] + size[axis] * random();
-      particle.velocity[axis] = reach * (2 * random() - 1);
+      particle.position[axis] = low[axis] + size[axis] * random.uniform();
+      particle.velocity[axis] = reach * (2 * random.uniform() - 1);
     }
   }
   return particles;

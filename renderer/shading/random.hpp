@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "queues/split_mix.hpp"
 #include "renderer/scene/vec3.hpp"
 
 namespace irt {
@@ -11,19 +12,17 @@ namespace irt {
 /// The numbers of one ray: those of its pixel, sample and bounce. Two rays that differ in any of
 /// them have streams that share nothing.
 ///
-/// SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators"), its
-/// state begun from the three numbers side by side. Alike on every machine: nothing but integers,
-/// additions, products and square roots.
+/// The seed is made of the three numbers side by side. Alike on every machine: nothing but
+/// integers, additions, products and square roots.
 class RayRandom {
  public:
   /// `bounce` is less than 2^10, `sample` less than 2^22.
   RayRandom(std::uint32_t pixel, std::uint32_t sample, std::uint32_t bounce)
-      : state_(mixed(std::uint64_t{pixel} << 32 | std::uint64_t{sample} << 10 | bounce)) {}
+      : numbers_(
+            SplitMix::mixed(std::uint64_t{pixel} << 32 | std::uint64_t{sample} << 10 | bounce)) {}
 
   /// Uniform in [0, 1).
-  float uniform() {
-    return static_cast<float>(mixed(state_ += 0x9e37'79b9'7f4a'7c15u) >> 40) * 0x1p-24f;
-  }
+  float uniform() { return numbers_.uniform(); }
 
   /// Uniform in [0, `count`), which is less than 2^24.
   std::uint32_t below(std::uint32_t count) {
@@ -44,13 +43,7 @@ class RayRandom {
   }
 
  private:
-  static constexpr std::uint64_t mixed(std::uint64_t bits) {
-    bits = (bits ^ (bits >> 30)) * 0xbf58'476d'1ce4'e5b9u;
-    bits = (bits ^ (bits >> 27)) * 0x94d0'49bb'1331'11ebu;
-    return bits ^ (bits >> 31);
-  }
-
-  std::uint64_t state_;
+  SplitMix numbers_;
 };
 
 }  // namespace irt

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "queues/split_mix.hpp"
 #include "stress/checker/execution.hpp"
 
 namespace irt::checker {
@@ -454,14 +455,9 @@ std::int64_t Execution::now() {
 }
 
 std::uint64_t Execution::random() {
-  // Splitmix64 (Steele, Lea and Flood 2014), for each thread from another place on, and the same in
-  // every execution.
+  // For each thread from another place on, and the same in every execution.
   ++beats_;
-  std::uint64_t x = (std::uint64_t{cores_.current()} << 32U) + ++me().draws;
-  x *= 0x9E3779B97F4A7C15U;
-  x = (x ^ x >> 30U) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ x >> 27U) * 0x94D049BB133111EBU;
-  return x ^ x >> 31U;
+  return SplitMix::at((std::uint64_t{cores_.current()} << 32U) + ++me().draws);
 }
 
 }  // namespace irt::checker

@@ -6,13 +6,6 @@
 
 namespace irt::checker {
 
-std::uint64_t Generator::next() {
-  std::uint64_t z = state_ += 0x9E3779B97F4A7C15;
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EB;
-  return z ^ (z >> 31U);
-}
-
 bool RandomBase::begin() {
   generator_ = Generator(Generator(next_).next());
   next_ += shards_;

@@ -8,20 +8,19 @@
 #include <cstdint>
 #include <vector>
 
+#include "queues/split_mix.hpp"
 #include "stress/checker/strategy.hpp"
 
 namespace irt::checker {
 
-/// splitmix64 (Steele, Lea and Flood 2014): the same numbers on every machine.
-class Generator {
+/// The numbers of one execution.
+class Generator : public SplitMix {
  public:
-  explicit Generator(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next();
+  using SplitMix::SplitMix;
   /// Below `limit`, which is at least 1.
-  std::uint32_t below(std::uint32_t limit) { return static_cast<std::uint32_t>(next() % limit); }
-
- private:
-  std::uint64_t state_;
+  std::uint32_t below(std::uint32_t limit) {
+    return static_cast<std::uint32_t>(SplitMix::below(limit));
+  }
 };
 
 /// What the random strategies share: executions without end, choices other than threads. An

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "queues/split_mix.hpp"
 #include "queues/work_queue.hpp"
 #include "stress/history/operation.hpp"
 
@@ -94,7 +95,7 @@ struct WorkerState {
   bool pops = true;              ///< may call `pop`
   std::size_t capacity = 0;      ///< what the queue was built with
   Claims claims{};               ///< of the queue: which words may be elements
-  std::uint64_t random = 1;      ///< state of the random numbers; any value
+  SplitMix random{1};            ///< any seed
   std::uint64_t operations = 0;  ///< how many `Core::more` grants to each thread
   std::uint64_t next_sequence = 0;
   std::uint64_t barriers = 0;
@@ -166,13 +167,7 @@ class Core {
   }
 
   /// A random number below `bound`, from the run's seed.
-  std::uint64_t random(std::uint64_t bound) {
-    // Steele, Lea and Flood's SplitMix (2014): one word of state, any seed will do.
-    std::uint64_t z = (state_.random += 0x9e3779b97f4a7c15U);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return (z ^ (z >> 31)) % bound;
-  }
+  std::uint64_t random(std::uint64_t bound) { return state_.random.below(bound); }
 
   /// Ends the run with a finding.
   [[noreturn]] void complain(const std::string& text) const { throw Complaint(text); }

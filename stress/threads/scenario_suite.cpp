@@ -152,7 +152,7 @@ class ScenarioRunner {
                .pops = cast_.pops(worker),
                .capacity = capacity_,
                .claims = claims_,
-               .random = mix_seed(seed, worker),
+               .random = SplitMix(mix_seed(seed, worker)),
                .operations = operations,
                .log = {},
                .payloads = &payloads_};

@@ -6,7 +6,7 @@ cd -- "$1" || exit 2
 # room | what its files may include, as a regular expression over the path
 rules=(
   'queues|queues/'
-  'renderer|renderer/|queues/work_queue\.hpp$'
+  'renderer|renderer/|queues/(work_queue|split_mix)\.hpp$'
   'stress|stress/|queues/'
   'bench|bench/|stress/|renderer/|queues/'
   'tests|.*'

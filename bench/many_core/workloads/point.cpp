@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <sys/resource.h>
 
-#include "bench/contention/random.hpp"
 #include "bench/many_core/workloads/contended.hpp"
 #include "bench/many_core/workloads/hot_lines.hpp"
+#include "queues/split_mix.hpp"
 #include "queues/work_queue.hpp"
 #include "renderer/engine/time_histogram.hpp"
 
@@ -53,7 +53,7 @@ struct Tally {
 };
 
 struct alignas(line_bytes) Worker {
-  std::uint64_t random = 0;
+  SplitMix random{0};
   std::uint64_t pushed_sum = 0, popped_sum = 0;
   Tally pushes, pops;
 };
@@ -68,7 +68,7 @@ class Run {
         // All together fit into the queue, or those who wait for room would hold what others wait
         // for.
         burst_(std::clamp<std::size_t>(point.capacity / point.threads, 1, longest_burst)) {
-    for (unsigned i = 0; i < point.threads; ++i) workers_[i].random = seed * 1000 + i;
+    for (unsigned i = 0; i < point.threads; ++i) workers_[i].random = SplitMix(seed * 1000 + i);
     machine_.set_up([this] { make(); });
   }
 
@@ -182,7 +182,7 @@ class Run {
 
   // A factor within a tenth of one, so that threads do not march in step.
   static double vary(Worker& me) {
-    return 0.9 + 0.2 * static_cast<double>(contention::next_random(me.random) >> 11U) * 0x1p-53;
+    return 0.9 + 0.2 * static_cast<double>(me.random.next() >> 11U) * 0x1p-53;
   }
 
   // What went in and did not come out is still there.

@@ -3,15 +3,15 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "bench/contention/busy_wait.hpp"
+#include "queues/split_mix.hpp"
 
 namespace irt::contention {
 namespace {
 
 TEST(Histogram, NoValueIsOffByMoreThanOnePartInItsPrecision) {
-  std::uint64_t random = 1;
+  SplitMix random(1);
   for (int i = 0; i < 200'000; ++i) {
-    const std::uint64_t value = next_random(random) >> (next_random(random) % 64);
+    const std::uint64_t value = random.next() >> random.below(64);
     const std::uint64_t end = Histogram::upper_end(Histogram::index_of(value));
     ASSERT_GE(end, value);
     ASSERT_LE(end - value, value / Histogram::precision) << value;
@@ -57,9 +57,9 @@ TEST(Histogram, OneOutlierIsTheMaximumAndNotTheTail) {
 
 TEST(Histogram, MergingIsRecordingTogether) {
   Histogram a, b, both;
-  std::uint64_t random = 7;
+  SplitMix random(7);
   for (int i = 0; i < 10'000; ++i) {
-    const std::uint64_t value = next_random(random) % 1'000'000;
+    const std::uint64_t value = random.below(1'000'000);
     (i % 3 == 0 ? a : b).record(value);
     both.record(value);
   }

@@ -62,7 +62,8 @@ TEST(Scenarios, HaveNamesOfTheirOwn) {
 TEST(Scenarios, KeepARightQueueRight) {
   for (const Scenario& scenario : scenarios()) {
     Plain queue(scenario.capacity);
-    WorkerState state{.capacity = scenario.capacity, .random = 42, .operations = 500, .log = {}};
+    WorkerState state{
+        .capacity = scenario.capacity, .random = SplitMix(42), .operations = 500, .log = {}};
     state.log.reserve(state.log_size(1));
     const auto* before = state.log.data();
     LoneCore core(state, queue);
