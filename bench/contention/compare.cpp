@@ -8,7 +8,6 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/results/fields.hpp"
-#include "bench/running/json_lines.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/rank_tests.hpp"
 #include "queues/nearest.hpp"

@@ -12,7 +12,7 @@
 #include "bench/contention/summary.hpp"
 #include "bench/contention/turns.hpp"
 #include "bench/running/interrupt.hpp"
-#include "bench/running/json_lines.hpp"
+#include "bench/running/journal.hpp"
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
@@ -58,30 +58,14 @@ class Sweep {
   // Takes plan and results from the journal. What the user set on the command line must be what it
   // says.
   void go_on(const std::filesystem::path& file) {
-    journal_ = JsonLines::resume(file, journal_format, [this](const nlohmann::json& line) {
-      results_.push_back(line.get<Result>());
-    });
+    journal_ = Journal<Result>::resume(file, journal_format);
     const auto stored = journal_->header().at("plan").get<Plan>();
     const nlohmann::json before = stored, now = plan_;
-    std::string difference;
     for (const std::string& name : options_.given) {
-      if (difference.empty()) {
-        difference = first_difference({{name, before.at(name)}}, {{name, now.at(name)}});
-      }
-    }
-    if (!difference.empty()) {
-      throw UsageError(fmt::format(
-          "--resume: {}; start without --resume, or with the options of before", difference));
+      require_same_option(name, before.at(name), now.at(name));
     }
     conditions_ = journal_->header().at("conditions");
-    difference =
-        first_difference(lasting_conditions(conditions_), lasting_conditions(conditions()));
-    if (!difference.empty()) {
-      throw UsageError(
-          fmt::format("--resume: {}; figures taken under other conditions do not mix, "
-                      "start without --resume",
-                      difference));
-    }
+    require_same_conditions(conditions_, conditions());
     for (const std::string& plugin : stored.plugins) {
       const bool open = std::ranges::find(plan_.plugins, plugin) != plan_.plugins.end();
       if (!open) queues_.open(plugin);
@@ -96,11 +80,11 @@ class Sweep {
     calibration_.pace = measure_pace();
     calibration_.harness_ns = harness_ns();
     if (cancel_) return;
-    journal_ = JsonLines::begin(file, {{"format", journal_format},
-                                       {"plan", plan_},
-                                       {"rows", rows_},
-                                       {"calibration", calibration_},
-                                       {"conditions", conditions_}});
+    journal_ = Journal<Result>::begin(file, {{"format", journal_format},
+                                             {"plan", plan_},
+                                             {"rows", rows_},
+                                             {"calibration", calibration_},
+                                             {"conditions", conditions_}});
   }
 
   // What a sweep adds to each operation: the processor time of the loop with a queue that does
@@ -158,19 +142,19 @@ class Sweep {
   }
 
   bool has(unsigned row, unsigned repetition, Pass pass) const {
-    return std::ranges::any_of(results_, [&](const Result& result) {
+    return std::ranges::any_of(journal_->results(), [&](const Result& result) {
       return result.row == row && result.repetition == repetition && result.pass == pass;
     });
   }
   // A queue that hung once would cost its patience again and again.
   bool hopeless(unsigned row) const {
-    return std::ranges::any_of(results_, [&](const Result& result) {
+    return std::ranges::any_of(journal_->results(), [&](const Result& result) {
       return result.row == row && result.pass != Pass::counted && result.sample.status == "hung";
     });
   }
 
   void measure_all() {
-    ProgressBar progress(total(), static_cast<unsigned>(results_.size()));
+    ProgressBar progress(total(), static_cast<unsigned>(journal_->results().size()));
     for (unsigned repetition = 0; repetition < plan_.repetitions; ++repetition) {
       const auto order = order_of(rows_, repetition, plan_.seed);
       for (const auto& group : groups_of(order, rows_, memory_bytes_)) {
@@ -202,20 +186,18 @@ class Sweep {
       jobs.push_back(job_of(plan_, rows_[row], repetition, calibration_.pace, pass));
     }
     const auto keep = [&](std::size_t i, const Sample& sample) {
-      results_.push_back(
-          {.row = group[i], .repetition = repetition, .pass = pass, .sample = sample});
-      journal_->add(results_.back());
+      journal_->add({.row = group[i], .repetition = repetition, .pass = pass, .sample = sample});
       progress.step();
     };
     if (!jobs.empty()) measure_in_turns(program_, jobs, jobs.front().seed, keep, cancel_);
   }
 
   int report() {
-    const auto runs = summarise(plan_, rows_, results_, calibration_, conditions_);
+    const auto runs = summarise(plan_, rows_, journal_->results(), calibration_, conditions_);
     std::FILE* const people = beside(options_.json);
     fmt::print(people, "{}\n", table(runs));
     std::set<std::string> missing;
-    for (const Result& result : results_) {
+    for (const Result& result : journal_->results()) {
       missing.insert(result.sample.missing.begin(), result.sample.missing.end());
     }
     for (const std::string& line : missing) fmt::print(people, "{}\n", line);
@@ -233,7 +215,7 @@ class Sweep {
       fmt::print(stderr,
                  "irt: interrupted after {} of {} measurements; go on with: irt bench contention "
                  "--resume --out {}\n",
-                 results_.size(), total(), options_.out.string());
+                 journal_->results().size(), total(), options_.out.string());
       return exit_interrupted;
     }
     const bool broken =
@@ -254,8 +236,7 @@ class Sweep {
   std::vector<std::string> left_out_;
   Calibration calibration_;
   nlohmann::json conditions_;
-  std::optional<JsonLines> journal_;
-  std::vector<Result> results_;
+  std::optional<Journal<Result>> journal_;
 };
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/files.hpp"
-#include "bench/frames/journal.hpp"
 #include "bench/frames/sample.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/running/interrupt.hpp"
+#include "bench/running/journal.hpp"
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
@@ -132,7 +132,7 @@ nlohmann::json value_of(const nlohmann::json& plan, const std::string& key) {
 }
 
 // The plan of a journal. What the user set on the command line must be what it says.
-Plan plan_of(const Journal& journal, const CompareOptions& options, QueueRegistry& queues) {
+Plan plan_of(const Journal<Sample>& journal, const CompareOptions& options, QueueRegistry& queues) {
   auto stored = journal.header().at("plan").get<Plan>();
   for (const std::string& plugin : stored.plugins) {
     if (std::ranges::find(options.plugins, plugin) == options.plugins.end()) queues.open(plugin);
@@ -142,14 +142,7 @@ Plan plan_of(const Journal& journal, const CompareOptions& options, QueueRegistr
     std::vector<std::string> keys{name};
     if (name == "size") keys = {"width", "height"};
     for (const std::string& key : keys) {
-      const std::string difference =
-          first_difference({{key, value_of(before, key)}}, {{key, value_of(now, key)}});
-      if (!difference.empty()) {
-        throw UsageError(
-            fmt::format("--resume: {}; start without --resume, or with the options "
-                        "of before",
-                        difference));
-      }
+      require_same_option(key, value_of(before, key), value_of(now, key));
     }
   }
   return stored;
@@ -187,7 +180,7 @@ class Comparison {
   int run() {
     const auto file = options_.out / "runs.jsonl";
     if (options_.resume) {
-      journal_ = Journal::resume(file);
+      journal_ = Journal<Sample>::resume(file, journal_format);
       plan_ = plan_of(*journal_, options_, queues_);
     } else {
       plan_ = plan_of(options_, queues_);
@@ -197,16 +190,7 @@ class Comparison {
     }
     if (!options_.json.empty()) require_writable(options_.json);
     conditions_ = conditions(plan_.workloads.front().pin ? "one thread per core" : "none");
-    if (journal_) {
-      const std::string difference = first_difference(
-          lasting_conditions(journal_->header().at("conditions")), lasting_conditions(conditions_));
-      if (!difference.empty()) {
-        throw UsageError(
-            fmt::format("--resume: {}; figures taken under other conditions do not "
-                        "mix, start without --resume",
-                        difference));
-      }
-    }
+    if (journal_) require_same_conditions(journal_->header().at("conditions"), conditions_);
 
     for (const WorkloadOptions& workload : plan_.workloads) {
       workloads_.push_back(std::make_unique<Workload>(workload));
@@ -252,10 +236,10 @@ class Comparison {
     if (cancel_) return;
     references_ = std::move(references);
     settle_length(plan_, later, options_.seconds);
-    journal_ = Journal::begin(file, {{"format", journal_format},
-                                     {"plan", plan_},
-                                     {"references", references_},
-                                     {"conditions", conditions_}});
+    journal_ = Journal<Sample>::begin(file, {{"format", journal_format},
+                                             {"plan", plan_},
+                                             {"references", references_},
+                                             {"conditions", conditions_}});
   }
 
   // Rendered with a queue of ours, not with one that is to be tried, and like all frames in a
@@ -329,12 +313,12 @@ class Comparison {
   // begins elsewhere, so that nobody is always first.
   void sweep() {
     const std::vector<Row> rows = plan_.rows();
-    ProgressBar progress(plan_.samples(), static_cast<unsigned>(journal_->samples().size()));
+    ProgressBar progress(plan_.samples(), static_cast<unsigned>(journal_->results().size()));
     for (unsigned i = 0; i < plan_.samples() && !cancel_; ++i) {
       const auto round = static_cast<unsigned>(rows.size());
       const unsigned repetition = i / round;
       const Row& row = rows[(i + repetition) % round];
-      if (journal_->has(row.workload, row.queue, row.threads, repetition)) continue;
+      if (has(row, repetition)) continue;
       progress.show(fmt::format("{}, {} threads", row.queue, row.threads));
       if (!hopeless(row)) {
         Sample sample = sample_of(row);
@@ -367,11 +351,19 @@ class Comparison {
     return sample;
   }
 
+  static bool is_of(const Sample& sample, const Row& row) {
+    return sample.workload == row.workload && sample.queue == row.queue &&
+           sample.threads == row.threads;
+  }
+  bool has(const Row& row, unsigned repetition) const {
+    return std::ranges::any_of(journal_->results(), [&](const Sample& sample) {
+      return is_of(sample, row) && sample.repetition == repetition;
+    });
+  }
   // What hung once would cost its patience again and again.
   bool hopeless(const Row& row) const {
-    return std::ranges::any_of(journal_->samples(), [&](const Sample& sample) {
-      return sample.status == "hung" && sample.workload == row.workload &&
-             sample.queue == row.queue && sample.threads == row.threads;
+    return std::ranges::any_of(journal_->results(), [&](const Sample& sample) {
+      return is_of(sample, row) && sample.status == "hung";
     });
   }
 
@@ -384,7 +376,7 @@ class Comparison {
                              .traverse_share = references_[i].traverse_share,
                              .conditions = conditions_});
     }
-    std::vector<Sample> samples = journal_->samples();
+    std::vector<Sample> samples = journal_->results();
     std::ranges::stable_sort(samples, {}, [&](const Sample& sample) {
       return std::tuple(sample.workload, std::ranges::find(plan_.queues, sample.queue),
                         sample.threads);
@@ -448,7 +440,7 @@ class Comparison {
   const std::string& expected_hash(std::size_t workload) const {
     const WorkloadOptions& wanted = plan_.workloads[workload];
     if (!wanted.animate.empty()) {
-      return std::ranges::find_if(journal_->samples(),
+      return std::ranges::find_if(journal_->results(),
                                   [&](const Sample& sample) {
                                     return sample.status == "ok" &&
                                            same_picture(plan_.workloads[sample.workload], wanted);
@@ -471,7 +463,7 @@ class Comparison {
   std::vector<Reference> references_;                 // these, and
   std::vector<double> work_;                          // what a frame takes one thread, seconds
   nlohmann::json conditions_;
-  std::optional<Journal> journal_;
+  std::optional<Journal<Sample>> journal_;
 };
 
 }  // namespace

@@ -44,6 +44,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, workload, queue, threads, repetition,
                                    imbalance, rays, tasks, added, failed_gets, overflowed, lost,
                                    doubled, gets, adds, pinned, same_image, image_hash)
 
+/// Says what is in a journal of samples.
+inline constexpr const char* journal_format = "irt-frames 3";
+
 struct SampleOptions {
   unsigned threads = 1;
   unsigned warmup = 1;  ///< frames that are rendered first and not counted

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/contention/summary.hpp"
-#include "bench/frames/journal.hpp"
+#include "bench/frames/sample.hpp"
 #include "bench/frames/summary.hpp"
 #include "bench/report/results.hpp"
 #include "bench/results/record.hpp"

@@ -1,10 +1,11 @@
-#include "bench/running/json_lines.hpp"
+#include "bench/running/journal.hpp"
 
 #include <cerrno>
 #include <fmt/format.h>
 #include <fstream>
 #include <system_error>
 
+#include "bench/conditions/conditions.hpp"
 #include "stress/running/usage_error.hpp"
 
 namespace irt {
@@ -78,16 +79,26 @@ void JsonLines::add(const nlohmann::json& line) {
   }
 }
 
-std::string first_difference(const nlohmann::json& stored, const nlohmann::json& now) {
-  for (const auto& [name, value] : now.items()) {
-    const auto before = stored.find(name);
-    if (before == stored.end())
-      return fmt::format("{}: nothing before, {} now", name, value.dump());
-    if (*before != value) {
-      return fmt::format("{}: {} before, {} now", name, before->dump(), value.dump());
-    }
+void require_same_option(const std::string& name, const nlohmann::json& before,
+                         const nlohmann::json& now) {
+  if (before == now) return;
+  throw UsageError(
+      fmt::format("--resume: {}: {} before, {} now; start without --resume, or with the options of "
+                  "before",
+                  name, before.dump(), now.dump()));
+}
+
+void require_same_conditions(const nlohmann::json& before, const nlohmann::json& now) {
+  const nlohmann::json stored = lasting_conditions(before);
+  const nlohmann::json lasting = lasting_conditions(now);
+  for (const auto& [name, value] : lasting.items()) {
+    const auto found = stored.find(name);
+    if (found != stored.end() && *found == value) continue;
+    throw UsageError(
+        fmt::format("--resume: {}: {} before, {} now; figures taken under other conditions do not "
+                    "mix, start without --resume",
+                    name, found == stored.end() ? "nothing" : found->dump(), value.dump()));
   }
-  return {};
 }
 
 }  // namespace irt
