@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/engine/spin_wait.hpp"
+#include "renderer/spin_wait.hpp"
 
 namespace irt {
 

@@ -14,9 +14,9 @@
 
 #include "renderer/engine/engine.hpp"
 #include "renderer/engine/placement.hpp"
-#include "renderer/engine/spin_wait.hpp"
 #include "renderer/engine/trace_and_shade.hpp"
 #include "renderer/engine/trace_log.hpp"
+#include "renderer/spin_wait.hpp"
 
 namespace irt {
 

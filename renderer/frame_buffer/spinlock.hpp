@@ -4,8 +4,8 @@
 #include <atomic>
 #include <vector>
 
-#include "renderer/engine/spin_wait.hpp"
 #include "renderer/frame_buffer/frame_buffer.hpp"
+#include "renderer/spin_wait.hpp"
 
 namespace irt {
 

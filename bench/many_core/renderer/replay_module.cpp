@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bench/many_core/renderer/replay_client.hpp"
-#include "renderer/engine/spin_wait.hpp"
 #include "renderer/frame_buffer/frame_buffer.hpp"
+#include "renderer/spin_wait.hpp"
 
 namespace irt::many_core {
 namespace {
