@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# rooms.sh DIRECTORY: prints every include that a room may not make (docs/architecture.md), and
-# fails where there is one.
+# rooms.sh DIRECTORY: prints every include that a room may not make, and fails where there is one. The
+# rooms are those that docs/architecture.md draws.
+drawing=$(dirname -- "$(readlink -f -- "$0")")/../../docs/architecture.md
 cd -- "$1" || exit 2
 
 # room | what its files may include, as a regular expression over the path
@@ -10,12 +11,6 @@ rules=(
   'stress|stress/|queues/'
   'bench|bench/|stress/|renderer/|queues/'
   'tests|.*'
-)
-
-# room | its rooms from the ground floor up: of the room's files each may include those of its own
-# floor and below
-floors=(
-  'bench/many_core|profiles calibration coherence machine workloads sweeps renderer'
 )
 
 failed=0
@@ -37,11 +32,30 @@ check() {
 }
 
 for rule in "${rules[@]}"; do check "${rule%%|*}" "${rule#*|}" ''; done
-for house in "${floors[@]}"; do
-  room=${house%%|*} below=
-  for floor in ${house#*|}; do
-    below+=${below:+|}$floor
-    check "$room/$floor" "$room/($below)/" "$room/"
+
+# floor HOUSE ROOM: the next floor of a house includes itself, those below and what no room holds.
+declare -A below
+floor() {
+  below[$1]+=${below[$1]:+|}$2
+  check "$1/$2" "$1/((${below[$1]})/|[^/]+$)" "$1/"
+}
+
+# The houses stand under a heading each, their rooms in a table.
+house=
+while IFS= read -r line; do
+  case $line in
+    '#'*) [[ $line =~ ^\#+\ \`(.+)/\`$ ]] && house=${BASH_REMATCH[1]} || house= ;;
+    '| `'*) [[ $house && $line =~ ^\|\ \`([a-z_]+)/\` ]] && floor "$house" "${BASH_REMATCH[1]}" ;;
+  esac
+done <"$drawing"
+
+for house in "${!below[@]}"; do
+  for room in "$house"/*/; do
+    room=${room%/}
+    [[ ${room##*/} =~ ^(${below[$house]})$ ]] && continue
+    compgen -G "$room/*.[hc]pp" >/dev/null || continue
+    echo "$room is missing in docs/architecture.md, where the rooms of $house/ are drawn"
+    failed=1
   done
 done
 exit "$failed"

@@ -50,4 +50,26 @@ upward_include_within_a_room_is_found() {
   expect_in out 'bench/many_core/coherence/ may not include "bench/many_core/machine/thread.hpp"'
 }
 
+files_beside_the_rooms_are_below_them() {
+  mkdir -p "$work/tree/renderer/scene" "$work/tree/renderer/bvh"
+  echo '#include "renderer/spin_wait.hpp"' >"$work/tree/renderer/scene/good.hpp"
+  echo '#include "renderer/scene/scene.hpp"' >"$work/tree/renderer/bvh/good.hpp"
+  check "$work/tree"
+  expect_code 0
+  echo '#include "renderer/bvh/wald.hpp"' >"$work/tree/renderer/scene/bad.hpp"
+  check "$work/tree"
+  expect_code 1
+  expect_in out 'renderer/scene/ may not include "renderer/bvh/wald.hpp"'
+}
+
+room_that_is_not_drawn_is_found() {
+  mkdir -p "$work/tree/renderer/attic"
+  check "$work/tree"
+  expect_code 0
+  touch "$work/tree/renderer/attic/box.hpp"
+  check "$work/tree"
+  expect_code 1
+  expect_in out 'renderer/attic is missing in docs/architecture.md'
+}
+
 run_case "$@"
