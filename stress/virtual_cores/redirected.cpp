@@ -220,7 +220,8 @@ IRT_REDIRECTED int irt_vc_sched_yield() {
   return 0;
 }
 // What prelude.hpp makes of instructions: calls that leave every register as it was, but for those
-// that hold the answer.
+// that hold the answer. Of the flags those of arithmetic are kept: `popf` would put back the trap
+// flag of before, too, by which a SpinWatch has its steps made.
 extern "C" {
 __attribute__((visibility("hidden"))) std::uint64_t irt_vc_answers[2];
 __attribute__((visibility("hidden"), used)) void irt_vc_note_pause() {
@@ -240,13 +241,15 @@ __attribute__((visibility("hidden"), used)) void irt_vc_note_random() {
   asm(".pushsection .text\n.globl irt_vc_cpu_" name "\n.type irt_vc_cpu_" name \
       ", @function\nirt_vc_cpu_" name                                          \
       ":\n"                                                                    \
-      "pushfq\npushq %rax\npushq %rcx\npushq %rdx\npushq %rsi\npushq %rdi\n"   \
+      "pushq %rax\nlahf\nseto %al\npushq %rax\n"                               \
+      "pushq %rcx\npushq %rdx\npushq %rsi\npushq %rdi\n"                       \
       "pushq %r8\npushq %r9\npushq %r10\npushq %r11\npushq %rbp\n"             \
       "movq %rsp, %rbp\nsubq $512, %rsp\nandq $-16, %rsp\nfxsave64 (%rsp)\n"   \
       "call irt_vc_note_" name                                                 \
       "\nfxrstor64 (%rsp)\nmovq %rbp, %rsp\n"                                  \
       "popq %rbp\npopq %r11\npopq %r10\npopq %r9\npopq %r8\n"                  \
-      "popq %rdi\npopq %rsi\npopq %rdx\npopq %rcx\npopq %rax\npopfq\n" answer "ret\n.popsection")
+      "popq %rdi\npopq %rsi\npopq %rdx\npopq %rcx\n"                           \
+      "popq %rax\naddb $127, %al\nsahf\npopq %rax\n" answer "ret\n.popsection")
 IRT_INSTRUCTION("pause", "");
 IRT_INSTRUCTION("clock",
                 "movl irt_vc_answers(%rip), %eax\nmovl irt_vc_answers+4(%rip), %edx\n"

@@ -144,7 +144,7 @@ struct SpinWatch::Search {
       if (is_code_of_a_module(pc)) conclude(context, pc, false);
       return;
     }
-    // The code may have put back flags of before, as the stand-in for `pause` does.
+    // The code may have put back flags of before.
     if (searching) context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
     if (searching || seconds < next) return;
     searching = true;
