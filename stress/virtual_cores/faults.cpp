@@ -95,9 +95,9 @@ void on_fault(int signal, siginfo_t* info, void* raw_context) {
   const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
   if (signal != SIGSEGV && signal != SIGBUS) return on_trap(signal, pc, context);
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-  const Place* const place = is_at(asked.last, *info)     ? &asked.last
-                             : is_at(asked.before, *info) ? &asked.before
-                                                          : nullptr;
+  const Place* const place = is_at(asked.last(), *info)     ? &asked.last()
+                             : is_at(asked.before(), *info) ? &asked.before()
+                                                            : nullptr;
   // A jump to nowhere has its target for pc.
   const bool jumped = pc == address;
   if (!is_code_of_a_module(pc) && !jumped && place == nullptr && !is_near_a_stack(address))

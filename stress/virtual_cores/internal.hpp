@@ -21,8 +21,19 @@ struct Place {
 };
 /// The last two of the core in progress: copies and comparisons have two. A fault there is the
 /// code's (faults.cpp).
-struct Asked {
-  Place last, before;
+class Asked {
+ public:
+  // Overwrites the older one: to move the newer aside would wait for what was stored just before.
+  void note(const Place& place) {
+    last_ ^= 1U;
+    places_[last_] = place;
+  }
+  const Place& last() const { return places_[last_]; }
+  const Place& before() const { return places_[last_ ^ 1U]; }
+
+ private:
+  Place places_[2];
+  std::size_t last_ = 0;
 };
 extern Asked asked;
 
@@ -30,17 +41,16 @@ inline std::uintptr_t address_of(const volatile void* pointer) {
   return reinterpret_cast<std::uintptr_t>(pointer);
 }
 inline void ask(const volatile void* place, std::size_t size, const void* pc) {
-  asked.before = asked.last;
-  asked.last = {address_of(place), size, pc};
+  asked.note({address_of(place), size, pc});
 }
 /// Announces a plain access that the code at `pc` makes, by itself or through the runtime.
 inline void announce_read(const volatile void* place, std::size_t size, const void* pc) {
   ask(place, size, pc);
-  active->plain_read(asked.last.address, size, pc);
+  active->plain_read(address_of(place), size, pc);
 }
 inline void announce_write(const volatile void* place, std::size_t size, const void* pc) {
   ask(place, size, pc);
-  active->plain_write(asked.last.address, size, pc);
+  active->plain_write(address_of(place), size, pc);
 }
 
 /// Announces the write of `size` bytes from the tenant's random numbers, and makes it.

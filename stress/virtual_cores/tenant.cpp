@@ -14,20 +14,55 @@
 
 namespace irt::virtual_cores {
 
+namespace {
+
+template <class Word>
+Word word_at(std::uintptr_t address) {
+  Word word;
+  std::memcpy(&word, reinterpret_cast<const void*>(address), sizeof word);
+  return word;
+}
+
+template <class Word>
+void set_word(std::uintptr_t address, Value value) {
+  const auto word = static_cast<Word>(value);
+  std::memcpy(reinterpret_cast<void*>(address), &word, sizeof word);
+}
+
+}  // namespace
+
+// A copy of known size needs no call, and its bytes are not read back in larger pieces.
 Value read_memory(std::uintptr_t address, std::size_t size) {
-  const auto* memory = reinterpret_cast<const void*>(address);
-  if (size == 8) {  // nearly always; a copy of known size needs no call
-    std::uint64_t word = 0;
-    std::memcpy(&word, memory, 8);
-    return word;
+  switch (size) {
+    case 8:
+      return word_at<std::uint64_t>(address);
+    case 4:
+      return word_at<std::uint32_t>(address);
+    case 2:
+      return word_at<std::uint16_t>(address);
+    case 1:
+      return word_at<std::uint8_t>(address);
+    default:
+      break;
   }
   Value value = 0;
-  std::memcpy(&value, memory, size);
+  std::memcpy(&value, reinterpret_cast<const void*>(address), size);
   return value;
 }
 
 void write_memory(std::uintptr_t address, std::size_t size, Value value) {
-  std::memcpy(reinterpret_cast<void*>(address), &value, size);
+  switch (size) {
+    case 8:
+      return set_word<std::uint64_t>(address, value);
+    case 4:
+      return set_word<std::uint32_t>(address, value);
+    case 2:
+      return set_word<std::uint16_t>(address, value);
+    case 1:
+      return set_word<std::uint8_t>(address, value);
+    default:
+      std::memcpy(reinterpret_cast<void*>(address), &value, size);
+  }
 }
 
 void Tenant::plain_read(std::uintptr_t, std::size_t, const void*) {}
