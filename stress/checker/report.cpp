@@ -153,6 +153,10 @@ std::string picture(const Execution& execution, const std::vector<Operation>& op
 
 std::string dot(const Execution& execution, Symbols& symbols) {
   const Graph& graph = execution.graph();
+  std::vector<const void*> pcs;
+  for (unsigned thread = 0; thread < execution.threads(); ++thread)
+    for (const EventId id : graph.thread(thread).events) pcs.push_back(graph.event(id).pc);
+  symbols.look_up(pcs);
   Values values(execution.heap());
   std::string text = "digraph execution {\n  node [shape=box, fontname=monospace];\n";
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {

@@ -121,18 +121,19 @@ Line Symbols::line_of(const std::vector<std::string>& frames) {
 }
 
 UnseenInstructions Symbols::unseen_instructions() {
-  std::set<std::string> places;
-  std::set<std::string> stores;
   const std::string file = quoted(module_.file());
   const std::vector<std::string> code =
       output_of("objdump -d -w --no-show-raw-insn " + file + " 2>/dev/null");
+  struct Unseen {
+    const void* after;
+    std::string instruction;
+    bool store;
+  };
+  std::vector<Unseen> found;
   const auto add = [&](std::uint64_t at, std::string_view instruction, bool store) {
     const std::uintptr_t address = module_.load_offset() + at;
     // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
-    const std::string line = name(reinterpret_cast<const void*>(address + 1));
-    const std::string place = fmt::format("{} at {}", instruction, line);
-    places.insert(place);
-    if (store) stores.insert(place);
+    found.push_back({reinterpret_cast<const void*>(address + 1), std::string(instruction), store});
   };
   for (const std::string& line : code) {
     const std::size_t tab = line.find('\t');
@@ -146,6 +147,17 @@ UnseenInstructions Symbols::unseen_instructions() {
   for (const Unannounced& access :
        unannounced(code, output_of("objdump -h -w " + file + " 2>/dev/null")))
     if (!escapes_hooks(access.name + " ")) add(access.address, access.name, access.writes);
+
+  std::vector<const void*> pcs;
+  for (const Unseen& unseen : found) pcs.push_back(unseen.after);
+  look_up(pcs);
+  std::set<std::string> places;
+  std::set<std::string> stores;
+  for (const Unseen& unseen : found) {
+    const std::string place = fmt::format("{} at {}", unseen.instruction, name(unseen.after));
+    places.insert(place);
+    if (unseen.store) stores.insert(place);
+  }
   return {{places.begin(), places.end()}, stores.size()};
 }
 

@@ -22,7 +22,7 @@ struct UnseenInstructions {
   std::size_t stores = 0;           ///< those of them that write
 };
 
-/// Asks addr2line(1), once for each address or for many at a time.
+/// Asks addr2line(1), a process for each question: whoever has many addresses asks for all at once.
 class Symbols {
  public:
   explicit Symbols(const virtual_cores::Module& module) : module_(module) {}

@@ -53,7 +53,11 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
     Options options = settings.options;
     options.seconds = 1;
     options.watch_orders = true;
-    for (const Execution::OrderSite& site : check(client.scenario(), options).order_sites) {
+    const std::vector<Execution::OrderSite> seen = check(client.scenario(), options).order_sites;
+    std::vector<const void*> pcs;
+    for (const Execution::OrderSite& site : seen) pcs.push_back(site.pc);
+    symbols.look_up(pcs);
+    for (const Execution::OrderSite& site : seen) {
       if (site.pc == nullptr || weaker(site).empty()) continue;
       auto& same = sites[{symbols.name(site.pc), symbols.at(site.pc).text, site.order, site.failure,
                           site.kind}];
