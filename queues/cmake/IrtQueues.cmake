@@ -5,6 +5,8 @@
 #
 # registers the class template <class> of <header> (relative to the calling CMakeLists.txt) as the
 # queue <name>. Where a required target does not exist the queue is off, with one status line.
+# PACKAGE says whose code it is: that library's (global property IRT_THIRD_PARTY_QUEUES), so it is
+# measured as the library is shipped, without assertions.
 # OPAQUE says that some of its atomic operations are compiled code or inline assembly, which
 # -fsanitize=thread does not see: such a queue is off in builds with ThreadSanitizer, where it would
 # look like one large data race, and is not built for virtual cores (global property
@@ -59,6 +61,9 @@ function(irt_add_queue name header class)
   if(NOT ARG_OPAQUE)
     set_property(GLOBAL APPEND PROPERTY IRT_VISIBLE_QUEUES ${name})
   endif()
+  if(ARG_PACKAGE)
+    set_property(GLOBAL APPEND PROPERTY IRT_THIRD_PARTY_QUEUES ${name})
+  endif()
   set_property(GLOBAL PROPERTY IRT_QUEUE_HEADER_${name} ${header})
   set_property(GLOBAL PROPERTY IRT_QUEUE_CLASS_${name} ${class})
 
@@ -94,6 +99,7 @@ function(irt_for_each_queue template out_var)
     get_property(ARG_QUEUES GLOBAL PROPERTY IRT_QUEUES)
   endif()
   cmake_path(GET template STEM LAST_ONLY suffix)  # `entry.cpp` of `entry.cpp.in`
+  get_property(third_party GLOBAL PROPERTY IRT_THIRD_PARTY_QUEUES)
   set(sources ${${out_var}})
   foreach(QUEUE_NAME IN LISTS ARG_QUEUES)
     get_property(QUEUE_HEADER GLOBAL PROPERTY IRT_QUEUE_HEADER_${QUEUE_NAME})
@@ -101,8 +107,7 @@ function(irt_for_each_queue template out_var)
     string(REPLACE "-" "_" QUEUE_IDENTIFIER ${QUEUE_NAME})
     set(source ${CMAKE_CURRENT_BINARY_DIR}/${QUEUE_IDENTIFIER}_${suffix})
     configure_file(${template} ${source} @ONLY)
-    if(QUEUE_HEADER MATCHES "comparators/")
-      # Libraries are measured without their assertions.
+    if(QUEUE_NAME IN_LIST third_party)
       set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS NDEBUG)
     endif()
     list(APPEND sources ${source})

@@ -43,8 +43,8 @@ struct Options {
 
 /// Whether the queue is somebody else's behind our contract (queues/comparators).
 bool is_third_party(std::string_view queue) {
-  static constexpr std::string_view comparators = IRT_COMPARATORS;  // " name name "
-  return comparators.find(fmt::format(" {} ", queue)) != std::string_view::npos;
+  static constexpr std::string_view names = IRT_THIRD_PARTY_QUEUES;  // " name name "
+  return names.find(fmt::format(" {} ", queue)) != std::string_view::npos;
 }
 
 constexpr std::array<std::string_view, 5> suite_names{"scenarios", "sustained", "progress",
