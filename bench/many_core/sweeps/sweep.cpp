@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <fmt/format.h>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,7 @@
 #include "bench/many_core/sweeps/runs.hpp"
 #include "bench/many_core/workloads/contended.hpp"
 #include "bench/running/interrupt.hpp"
+#include "bench/running/journal.hpp"
 #include "bench/running/text_files.hpp"
 #include "queues/nearest.hpp"
 #include "queues/work_queue.hpp"
@@ -150,15 +150,13 @@ std::string key_of(const Task& task, std::uint64_t seed) {
                      seed);
 }
 
-std::map<std::string, nlohmann::json> read_journal(const std::filesystem::path& file) {
-  std::map<std::string, nlohmann::json> known;
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    const nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
-    if (entry.is_object()) known[entry.value("key", "")] = entry["result"];
-  }
-  return known;
-}
+// A line of the journal.
+struct Kept {
+  std::string key;
+  nlohmann::json result;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Kept, key, result)
+constexpr const char* journal_format = "irt-simulate 1";
 
 nlohmann::json to_json(const ChildResult& result) {
   if (result.status == "ok") return nlohmann::json::parse(result.text);
@@ -175,12 +173,13 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
     std::size_t task;
     std::uint64_t seed;
   };
+  std::optional<Journal<Kept>> kept;
   std::map<std::string, nlohmann::json> known;
-  std::ofstream out;
   if (!journal.empty()) {
-    if (options.resume) known = read_journal(journal);
-    out.open(journal, options.resume ? std::ios::app : std::ios::trunc);
-    if (!out) throw UsageError(fmt::format("{}: cannot be written", journal.string()));
+    const bool go_on = options.resume && std::filesystem::exists(journal);
+    kept = go_on ? Journal<Kept>::resume(journal, journal_format)
+                 : Journal<Kept>::begin(journal, {{"format", journal_format}});
+    for (const Kept& one : kept->results()) known[one.key] = one.result;
   }
   // By seed, whichever is done first.
   std::vector<std::map<std::uint64_t, nlohmann::json>> results(tasks.size());
@@ -214,11 +213,7 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
       },
       [&](std::size_t i, const ChildResult& child) {
         const nlohmann::json result = to_json(child);
-        if (out.is_open())
-          out << nlohmann::json{{"key", key_of(tasks[runs[i].task], runs[i].seed)},
-                                {"result", result}}
-                     .dump()
-              << std::endl;
+        if (kept) kept->add({key_of(tasks[runs[i].task], runs[i].seed), result});
         add(runs[i].task, runs[i].seed, result);
       },
       interrupted);

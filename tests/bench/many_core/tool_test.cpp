@@ -56,6 +56,26 @@ TEST_F(SimulateTest, AModuleThatDoesNotLoadEndsNoSweep) {
   }
 }
 
+TEST_F(SimulateTest, OneThatWasKilledWhileItWroteGoesOn) {
+  EXPECT_EQ(RunningTool(IRT_SIMULATE, sweep("lock")).wait(), 0);
+  nlohmann::json before = runs();
+  const fs::path journal = out_ / "simulate.journal";
+  const auto whole = fs::file_size(journal);
+  fs::resize_file(journal, whole - 10);
+  for (int round = 0; round < 2; ++round) {
+    Arguments arguments = sweep("lock");
+    arguments.emplace_back("--resume");
+    RunningTool tool(IRT_SIMULATE, arguments);
+    EXPECT_EQ(tool.wait(), 0) << tool.err();
+    nlohmann::json now = runs();
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      EXPECT_EQ(now[i]["samples"], before[i]["samples"]);
+    }
+    const std::string text = contents(journal);  // a header and two seeds at two points
+    EXPECT_EQ(std::ranges::count(text, '\n'), 5);
+  }
+}
+
 TEST_F(SimulateTest, FiguresOnStandardOutputAreAlone) {
   Arguments arguments = sweep("lock");
   arguments.insert(arguments.end(), {"--json", "-"});
