@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <deque>
+#include <functional>
 #include <vector>
 
 #include "bench/many_core/coherence/directory.hpp"
@@ -39,7 +41,9 @@ class StoreBuffer {
   std::size_t size() const { return count_; }
   PostedStore& first() { return stores_[first_]; }
   PostedStore& operator[](std::size_t i) { return stores_[(first_ + i) % places]; }
-  PostedStore& add() { return stores_[(first_ + count_++) % places] = {}; }
+  PostedStore& add(const PostedStore& store) {
+    return stores_[(first_ + count_++) % places] = store;
+  }
   void drop_first() {
     first_ = (first_ + 1) % places;
     --count_;
@@ -69,6 +73,12 @@ struct LoopState {
   Time period = 0;  ///< of a round, while the thread sleeps in the loop; else 0
 };
 
+/// Who sleeps until a word is woken.
+struct Sleepers {
+  std::uintptr_t bucket = 0;  ///< where the kernel keeps them
+  std::deque<unsigned> threads;
+};
+
 /// What every access uses comes first and lies together: with hundreds of threads most of what one
 /// of them touches comes from the host's second cache.
 struct alignas(line_bytes) Thread {
@@ -92,8 +102,9 @@ struct alignas(line_bytes) Thread {
 
   LoopState loop;
 
-  Request store_request;  ///< of the first store
-  std::uintptr_t sleeps_at = 0;
+  Request store_request;             ///< of the first store
+  Sleepers* asleep_among = nullptr;  ///< null: sleeps for a time, and nobody can wake it
+  const std::function<void(unsigned thread)>* body = nullptr;
 };
 
 }  // namespace irt::many_core

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "bench/many_core/machine/machine.hpp"
+#include "bench/many_core/machine/placement.hpp"
 #include "bench/many_core/renderer/recording.hpp"
 
 namespace irt::many_core {

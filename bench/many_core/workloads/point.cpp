@@ -22,11 +22,6 @@ std::string_view name_of(Scenario scenario) {
   return names[static_cast<std::size_t>(scenario)];
 }
 
-std::string_view name_of(Placement placement) {
-  static constexpr std::array<std::string_view, 3> names{"close", "siblings", "spread"};
-  return names[static_cast<std::size_t>(placement)];
-}
-
 namespace {
 
 constexpr std::size_t longest_burst = 16;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/many_core/machine/machine.hpp"
+#include "bench/many_core/machine/placement.hpp"
 
 namespace irt::many_core {
 
@@ -20,7 +21,6 @@ enum class Scenario : std::uint8_t {
   primitive,  ///< each thread repeats one step of a primitive, and works
 };
 std::string_view name_of(Scenario scenario);
-std::string_view name_of(Placement placement);
 
 /// What is run. Times are simulated nanoseconds.
 struct Point {

@@ -1,11 +1,7 @@
-// Loops that wait: a thread that comes back to a load in the same state as before, having changed
-// nothing and found every line where it left it, will do so until somebody takes one of the lines.
-// It sleeps until then, and goes on at the moment when its next round would have begun.
+#include "bench/many_core/machine/spin_loops.hpp"
 
 #include <algorithm>
 #include <array>
-
-#include "bench/many_core/machine/machine.hpp"
 
 namespace irt::many_core {
 
@@ -40,7 +36,7 @@ std::uint64_t hash_of_state(const Thread& thread) {
 
 }  // namespace
 
-void Machine::note_watch(LoopState& loop, Line& line) {
+void SpinLoops::note_watch(LoopState& loop, Line& line) {
   if (loop.lines > LoopState::max_lines) return;
   for (unsigned i = 0; i < loop.lines; ++i)
     if (loop.watches[i].line == &line) return;
@@ -48,7 +44,7 @@ void Machine::note_watch(LoopState& loop, Line& line) {
   ++loop.lines;
 }
 
-void Machine::note_round(Thread& me, const virtual_cores::Access& access) {
+void SpinLoops::note_round(Thread& me, const virtual_cores::Access& access) {
   LoopState& loop = me.loop;
   if (access.pc != loop.pc || access.address != loop.address) {
     loop.pc = access.pc;
@@ -64,7 +60,7 @@ void Machine::note_round(Thread& me, const virtual_cores::Access& access) {
     const std::uint64_t state = hash_of_state(me);
     if (state != 0 && state == loop.state && loop.lines != 0 &&
         loop.lines <= LoopState::max_lines && me.stores.empty())
-      sleep_in_loop(me);
+      sleep(me);
     loop.state = state;
   } else {
     loop.state = 0;
@@ -76,10 +72,10 @@ void Machine::note_round(Thread& me, const virtual_cores::Access& access) {
   loop.failures = me.failures;
 }
 
-void Machine::sleep_in_loop(Thread& me) {
+void SpinLoops::sleep(Thread& me) {
   LoopState& loop = me.loop;
   const Time period = me.clock - loop.clock;
-  sync(me);
+  loop_.sync(me);
   const bool all_held = std::all_of(loop.watches.begin(), loop.watches.begin() + loop.lines,
                                     [&me](const Watch& w) { return w.line->held_by(me.core); });
   if (period <= 0 || !all_held || me.clock >= me.deadline) return;
@@ -94,9 +90,10 @@ void Machine::sleep_in_loop(Thread& me) {
   loop.period = period;
   loop.has_slept = true;
   // It looks up when time is over, since that may be what it waits for.
-  const Time alarm = me.clock < until_ ? std::min(me.deadline, until_) : me.deadline;
-  events_.push(me.event, since + (alarm - since + period - 1) / period * period);
-  go_on();
+  const Time end = state_.measurement.end;
+  const Time alarm = me.clock < end ? std::min(me.deadline, end) : me.deadline;
+  state_.events.push(me.event, since + (alarm - since + period - 1) / period * period);
+  loop_.wait();
   loop.period = 0;
   for (unsigned i = 0; i < loop.lines; ++i) {
     Watch& watch = loop.watches[i];
@@ -105,19 +102,8 @@ void Machine::sleep_in_loop(Thread& me) {
   }
   const auto rounds = static_cast<std::uint64_t>((me.clock - since) / period);
   me.failures += rounds * (me.failures - loop.failures);
-  note_wait(Cause::spinning, since, me.clock);
+  state_.measurement.note_wait(Cause::spinning, since, me.clock);
   ++me.changes;  // what it reads now may differ
-}
-
-// Somebody takes the line: whoever sleeps there goes on when its round is over.
-void Machine::wake_watchers(Line& line, Time now) {
-  for (const Watch* watch = line.watchers; watch != nullptr; watch = watch->next) {
-    Thread& thread = threads_[watch->thread];
-    const Time period = thread.loop.period;
-    const Time since = thread.clock;
-    const Time next = since + (now - since + period - 1) / period * period;
-    if (thread.event.scheduled && next < thread.event.time) events_.move(thread.event, next);
-  }
 }
 
 }  // namespace irt::many_core

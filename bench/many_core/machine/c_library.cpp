@@ -1,0 +1,65 @@
+#include "bench/many_core/machine/c_library.hpp"
+
+namespace irt::many_core {
+
+using virtual_cores::Access;
+using virtual_cores::Operation;
+using virtual_cores::Order;
+using virtual_cores::Value;
+
+namespace {
+
+// What a call executes besides its atomic operations, in plain accesses: counted in
+// pthread_mutex_lock, and in malloc from the tcache.
+constexpr Time lock_accesses = 8;
+constexpr Time heap_accesses = 10;
+
+}  // namespace
+
+// --- Locks (lowlevellock.c) ---------------------------------------------------------------------
+
+bool CLibrary::try_lock(Thread& me, std::uintptr_t address, const void* pc) {
+  me.clock += lock_accesses * me.costs->plain_op;
+  Value expected = 0;
+  return accesses_.compare_exchange(me, {address, 4, Order::acquire, pc}, expected, 1);
+}
+
+void CLibrary::lock(Thread& me, std::uintptr_t address, const void* pc) {
+  if (try_lock(me, address, pc)) return;
+  const Access access{address, 4, Order::acquire, pc};
+  if (accesses_.load(me, access) == 2) kernel_.wait(me, address, 2, -1, pc);
+  while (accesses_.modify(me, access, Operation::exchange, 2) != 0)
+    kernel_.wait(me, address, 2, -1, pc);
+}
+
+void CLibrary::unlock(Thread& me, std::uintptr_t address, const void* pc) {
+  me.clock += lock_accesses * me.costs->plain_op;
+  const Access access{address, 4, Order::release, pc};
+  if (accesses_.modify(me, access, Operation::exchange, 0) == 2) kernel_.wake(me, address, 1, pc);
+}
+
+// --- The allocator ------------------------------------------------------------------------------
+
+void* CLibrary::allocate(Thread& me, std::size_t size, std::size_t alignment, const void* pc) {
+  Heap::Traffic traffic;
+  void* block = heap_.allocate(me.number, size, alignment, pc, traffic);
+  charge(me, traffic, pc);
+  return block;
+}
+
+void CLibrary::release(Thread& me, void* block, const void* pc) {
+  Heap::Traffic traffic;
+  heap_.release(me.number, block, traffic);
+  charge(me, traffic, pc);
+}
+
+void CLibrary::charge(Thread& me, const Heap::Traffic& traffic, const void* pc) {
+  me.clock += heap_accesses * me.costs->plain_op;
+  ++me.changes;
+  if (traffic.locked == 0) return;
+  accesses_.take(me, traffic.locked, false, pc);
+  if (traffic.linked != 0) accesses_.plain_read(me, traffic.linked, 8, pc);
+  me.clock += me.costs->rmw_hit;  // the lock is released
+}
+
+}  // namespace irt::many_core
