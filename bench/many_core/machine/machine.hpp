@@ -22,7 +22,7 @@
 ///
 ///     tenant -> C library -> kernel -> accesses -> event loop -> stores, run queues -> directory
 ///
-/// Not modelled: weaker memory orders than the machine's store buffer gives; see directory.hpp,
+/// Not modelled: weaker memory orders than the machine's store buffer gives; see mesi.hpp,
 /// heap.hpp and docs/simulator.md for what else.
 #pragma once
 
