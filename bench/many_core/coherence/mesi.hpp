@@ -55,7 +55,8 @@ class Mesi {
 
   /// When a request that moves the line, and is served at `start`, has it. `contended`: others
   /// wait.
-  Time transfer(const Line& line, const Request& request, Time start, bool contended) {
+  [[gnu::always_inline]] inline Time transfer(const Line& line, const Request& request, Time start,
+                                              bool contended) {
     if (bus_ != 0) start = pass_bus(line, request, start);
     if (contended) start += conflict_;
     const bool holds = line.sharer_count != 0 && line.sharers.has(request.core);
@@ -70,7 +71,8 @@ class Mesi {
 
   /// Makes the line what it is when the request, served at `start`, has it at `done`; says when it
   /// is free again. Returns when the request is through.
-  Time transition(Line& line, const Request& request, Time start, Time done) {
+  [[gnu::always_inline]] inline Time transition(Line& line, const Request& request, Time start,
+                                                Time done) {
     switch (request.want) {
       case Want::copy:
         read(line, request.core, start, done);

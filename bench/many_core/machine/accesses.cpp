@@ -9,13 +9,11 @@ using virtual_cores::Operation;
 using virtual_cores::Order;
 using virtual_cores::Value;
 
-Accesses::Accesses(const Profile& profile, State& state, PostedStores& stores, EventLoop& loop,
-                   const Heap& heap)
-    : state_(state),
-      stores_(stores),
+Accesses::Accesses(const Profile& profile, EventLoop& loop, const Heap& heap)
+    : state_(loop.state()),
       loop_(loop),
       heap_(heap),
-      spin_loops_(state, loop),
+      spin_loops_(loop),
       far_atomics_(profile.far_atomic > 0) {}
 
 // A line that is new to simulated time is where reality would have left it: memory that thread 0
@@ -106,27 +104,28 @@ Value Accesses::load_late(Thread& me, const Access& access) {
 
 // --- Read-modify-writes ----------------------------------------------------------------------
 
-// Gets the line of an operation that must be the only one there while it is done.
-Line& Accesses::own(Thread& me, const Access& access, bool arithmetic) {
+// Gets the line of an operation that must be the only one there while it is done; null if nobody
+// has used it yet.
+Line& Accesses::own(Thread& me, Line* line, const Access& access, bool arithmetic) {
   ++state_.measurement.counts.accesses;
   drain(me);
-  Line& line = line_of(me, access.address);
-  loop_.sync(me, ahead_of(me, line));
+  if (line == nullptr) line = &line_of(me, access.address);
+  loop_.sync(me, ahead_of(me, *line));
   const std::uint64_t bytes = bytes_of(access.address, access.size);
-  if (line.owner == me.core) {
-    SpinLoops::watch(me, line);
+  if (line->owner == me.core) {
+    SpinLoops::watch(me, *line);
   } else {
     // Far atomics are for lines that cores compete for; one's own stays near.
-    const bool far = arithmetic && far_atomics_ && line.used && line.last != me.core;
-    fetch(me, line, far ? Want::far : Want::ownership, access.pc, bytes);
+    const bool far = arithmetic && far_atomics_ && line->used && line->last != me.core;
+    fetch(me, *line, far ? Want::far : Want::ownership, access.pc, bytes);
   }
-  line.written |= bytes;
-  return line;
+  line->written |= bytes;
+  return *line;
 }
 
 Value Accesses::modify(Thread& me, const Access& access, Operation operation, Value operand) {
-  Line* line = at_hand(me, access.address, access.size, true);
-  if (line == nullptr) line = &own(me, access, true);
+  Line* line = find(access.address);
+  if (!at_hand(me, line, access.address, access.size, true)) line = &own(me, line, access, true);
   const Value before = read_memory(access.address, access.size);
   const Value after = result_of(operation, before, operand, access.size);
   write_memory(access.address, access.size, after);
@@ -135,8 +134,8 @@ Value Accesses::modify(Thread& me, const Access& access, Operation operation, Va
 }
 
 bool Accesses::compare_exchange(Thread& me, const Access& access, Value& expected, Value desired) {
-  Line* line = at_hand(me, access.address, access.size, true);
-  if (line == nullptr) line = &own(me, access, false);
+  Line* line = find(access.address);
+  if (!at_hand(me, line, access.address, access.size, true)) line = &own(me, line, access, false);
   const Value before = read_memory(access.address, access.size);
   const bool equal = before == expected;
   if (equal) write_memory(access.address, access.size, desired);
@@ -153,7 +152,7 @@ void Accesses::fence(Thread& me) {
 }
 
 void Accesses::take(Thread& me, std::uintptr_t address, bool arithmetic, const void* pc) {
-  Line& line = own(me, {address, 4, Order::acquire, pc}, arithmetic);
+  Line& line = own(me, find(address), {address, 4, Order::acquire, pc}, arithmetic);
   finish_update(me, line, true);
 }
 
@@ -161,7 +160,7 @@ void Accesses::take(Thread& me, std::uintptr_t address, bool arithmetic, const v
 
 void Accesses::store(Thread& me, const Access& access, Value value) {
   if (access.order == Order::seq_cst) {  // an exchange, on x86
-    Line& line = own(me, access, true);
+    Line& line = own(me, find(access.address), access, true);
     const bool changed = read_memory(access.address, access.size) != value;
     write_memory(access.address, access.size, value);
     finish_update(me, line, changed);
@@ -219,7 +218,7 @@ void Accesses::post(Thread& me, const PostedStore& store) {
     me.crowded = false;
     state_.measurement.note_wait(Cause::stores, since, me.clock);
   }
-  stores_.post(me, store);
+  loop_.stores().post(me, store);
 }
 
 void Accesses::wait_for_stores(Thread& me) {

@@ -20,12 +20,11 @@ class Accesses {
   /// How far accesses to private lines may run ahead of other threads.
   static constexpr Time private_window = 200 * nanosecond;
 
-  Accesses(const Profile& profile, State& state, PostedStores& stores, EventLoop& loop,
-           const Heap& heap);
+  Accesses(const Profile& profile, EventLoop& loop, const Heap& heap);
 
   // As virtual_cores::Tenant has them, of the thread in progress.
   void plain_read(Thread& me, std::uintptr_t address, std::size_t size, const void* pc) {
-    if (address - me.stack >= me.stack_bytes && at_hand(me, address, size, false) == nullptr) {
+    if (address - me.stack >= me.stack_bytes && !at_hand(me, find(address), address, size, false)) {
       plain_read_late(me, address, size, pc);
       return;
     }
@@ -33,7 +32,7 @@ class Accesses {
   }
   void plain_write(Thread& me, std::uintptr_t address, std::size_t size, const void* pc) {
     if (address - me.stack >= me.stack_bytes) {
-      if (at_hand(me, address, size, true) == nullptr) {
+      if (!at_hand(me, find(address), address, size, true)) {
         plain_write_late(me, address, size, pc);
         return;
       }
@@ -45,7 +44,7 @@ class Accesses {
     LoopState& loop = me.loop;
     const bool elsewhere = access.pc != loop.pc || access.address != loop.address;
     if (loop.age + 1 >= LoopState::longest || !elsewhere ||
-        at_hand(me, access.address, access.size, false) == nullptr)
+        !at_hand(me, find(access.address), access.address, access.size, false))
       return load_late(me, access);
     ++loop.age;
     me.clock += me.costs->load_hit;
@@ -71,8 +70,9 @@ class Accesses {
   }
 
  private:
+  Line* find(std::uintptr_t address) const { return state_.directory.find(address / line_bytes); }
   Line& line_of(const Thread& me, std::uintptr_t address) {
-    Line* line = state_.directory.find(address / line_bytes);
+    Line* line = find(address);
     return line != nullptr ? *line : new_line(me, address);
   }
   Line& new_line(const Thread& me, std::uintptr_t address);
@@ -81,27 +81,26 @@ class Accesses {
                ? private_window
                : 0;
   }
-  // What nearly all accesses to private data are: the line of these bytes, if the thread may use
-  // them at once, for it holds the line, its stores are done, nothing happens before its next step,
-  // and it is in no loop. The access is counted. Else null, nothing is counted, and the slower way
-  // is taken (the functions named `late`).
-  [[gnu::always_inline]] inline Line* at_hand(const Thread& me, std::uintptr_t address,
-                                              std::size_t size, bool to_write) {
-    Line* line = state_.directory.find(address / line_bytes);
-    if (line == nullptr || me.loop.rounds != 0) return nullptr;
-    if (!me.stores.empty() || me.clock < me.committed) return nullptr;
-    if (line->owner != me.core && (to_write || !line->sharers.has(me.core))) return nullptr;
-    if (address % line_bytes + size > line_bytes) return nullptr;
-    if (!state_.is_next(me, ahead_of(me, *line))) return nullptr;
+  // What nearly all accesses to private data are: the thread may use these bytes of the line at
+  // once, for it holds it, its stores are done, nothing happens before its next step, and it is in
+  // no loop. The access is counted. Else false, nothing is counted, and the slower way is taken
+  // (the functions named `late`). `line` is null where nobody has used it yet.
+  [[gnu::always_inline]] inline bool at_hand(const Thread& me, Line* line, std::uintptr_t address,
+                                             std::size_t size, bool to_write) {
+    if (line == nullptr || me.loop.rounds != 0) return false;
+    if (!me.stores.empty() || me.clock < me.committed) return false;
+    if (line->owner != me.core && (to_write || !line->sharers.has(me.core))) return false;
+    if (address % line_bytes + size > line_bytes) return false;
+    if (!state_.is_next(me, ahead_of(me, *line))) return false;
     ++state_.measurement.counts.accesses;
     (to_write ? line->written : line->read) |= bytes_of(address, size);
-    return line;
+    return true;
   }
   virtual_cores::Value load_late(Thread& me, const virtual_cores::Access& access);
   void plain_read_late(Thread& me, std::uintptr_t address, std::size_t size, const void* pc);
   void plain_write_late(Thread& me, std::uintptr_t address, std::size_t size, const void* pc);
   void fetch(Thread& me, Line& line, Want want, const void* pc, std::uint64_t bytes);
-  Line& own(Thread& me, const virtual_cores::Access& access, bool arithmetic);
+  Line& own(Thread& me, Line* line, const virtual_cores::Access& access, bool arithmetic);
   static void finish_update(Thread& me, Line& line, bool changed) {
     me.changes += changed ? 1 : 0;
     if (line.owner != me.core) return;  // it was done at the home
@@ -112,7 +111,6 @@ class Accesses {
   void wait_for_stores(Thread& me);
 
   State& state_;
-  PostedStores& stores_;
   EventLoop& loop_;
   const Heap& heap_;
   SpinLoops spin_loops_;

@@ -9,13 +9,13 @@ namespace irt::many_core {
 
 using virtual_cores::host;
 
-EventLoop::EventLoop(virtual_cores::Tenant& tenant, State& state, PostedStores& stores,
-                     RunQueues& run_queues)
-    : state_(state),
-      stores_(stores),
-      run_queues_(run_queues),
-      cores_(tenant, static_cast<unsigned>(state.threads.size())) {
-  for (Thread& thread : state.threads) {
+EventLoop::EventLoop(const Profile& profile, std::vector<Thread> threads, std::uint64_t seed,
+                     virtual_cores::Tenant& tenant)
+    : state_(profile, std::move(threads), seed),
+      stores_(profile, state_),
+      run_queues_(profile, state_),
+      cores_(tenant, static_cast<unsigned>(state_.threads.size())) {
+  for (Thread& thread : state_.threads) {
     thread.stack = cores_.stack_of(thread.number);
     thread.stack_bytes = cores_.stack_bytes();
   }

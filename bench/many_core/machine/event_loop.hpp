@@ -32,8 +32,13 @@ class EventLoop {
   using Body = std::function<void(unsigned thread)>;
   static constexpr std::uint64_t patience_events = 50'000'000;
 
-  EventLoop(virtual_cores::Tenant& tenant, State& state, PostedStores& stores,
-            RunQueues& run_queues);
+  /// `threads` has at least one; each knows its number and its core.
+  EventLoop(const Profile& profile, std::vector<Thread> threads, std::uint64_t seed,
+            virtual_cores::Tenant& tenant);
+
+  State& state() { return state_; }
+  PostedStores& stores() { return stores_; }
+  RunQueues& run_queues() { return run_queues_; }
 
   /// Runs `body(0)` as thread 0, outside of simulated time.
   Ending run_untimed(const Body& body);
@@ -82,9 +87,9 @@ class EventLoop {
   [[noreturn]] void end_late(Time time);
   [[noreturn]] void end(Ending::Kind kind, const std::string& message);
 
-  State& state_;
-  PostedStores& stores_;
-  RunQueues& run_queues_;
+  State state_;
+  PostedStores stores_;
+  RunQueues run_queues_;
   virtual_cores::Cores cores_;
   unsigned left_ = 0;  // threads that have not returned
   Time mark_ = 0;      // events before it are neither the first that counts nor after the end

@@ -13,11 +13,8 @@ constexpr std::uintptr_t buckets_address = 0x180000000000;
 
 }  // namespace
 
-Kernel::Kernel(const Profile& profile, State& state, RunQueues& run_queues, EventLoop& loop,
-               Accesses& accesses)
-    : state_(state),
-      run_queues_(run_queues),
-      loop_(loop),
+Kernel::Kernel(const Profile& profile, EventLoop& loop, Accesses& accesses)
+    : loop_(loop),
       accesses_(accesses),
       syscall_(picoseconds(profile.syscall)),
       futex_wait_(picoseconds(profile.futex_wait)),
@@ -38,7 +35,7 @@ Wake Kernel::wait(Thread& me, std::uintptr_t address, std::uint32_t expected,
   accesses_.read(me, address, bytes_of(address, 4), pc);
   if (read_memory(address, 4) != expected) return Wake::value_differs;
   sleepers.threads.push_back(me.number);
-  ++state_.measurement.counts.sleeps;
+  ++loop_.state().measurement.counts.sleeps;
   me.clock += futex_wait_;
   park(me, &sleepers, nanoseconds < 0 ? never : me.clock + nanoseconds * nanosecond);
   return me.timed_out ? Wake::timed_out : Wake::woken;
@@ -53,10 +50,10 @@ unsigned Kernel::wake(Thread& me, std::uintptr_t address, unsigned count, const 
   accesses_.take(me, sleepers.bucket, true, pc);
   unsigned woken = 0;
   while (woken < count && !sleepers.threads.empty()) {
-    Thread& thread = state_.threads[sleepers.threads.front()];
+    Thread& thread = loop_.state().threads[sleepers.threads.front()];
     sleepers.threads.pop_front();
     me.clock += wake_call_;
-    run_queues_.wake(thread, me.clock);
+    loop_.run_queues().wake(thread, me.clock);
     ++woken;
   }
   return woken;
@@ -79,8 +76,8 @@ void Kernel::park(Thread& me, Sleepers* among, Time until) {
   me.asleep_among = among;
   me.parked = true;
   me.woken = me.timed_out = false;
-  if (until != never) state_.events.push(me.event, until);
-  run_queues_.leave(me);
+  if (until != never) loop_.state().events.push(me.event, until);
+  loop_.run_queues().leave(me);
   loop_.wait();
   me.parked = false;
   ++me.changes;

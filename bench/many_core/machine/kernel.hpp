@@ -10,8 +10,7 @@ namespace irt::many_core {
 
 class Kernel {
  public:
-  Kernel(const Profile& profile, State& state, RunQueues& run_queues, EventLoop& loop,
-         Accesses& accesses);
+  Kernel(const Profile& profile, EventLoop& loop, Accesses& accesses);
 
   // As virtual_cores::Tenant has them, of the thread in progress.
   virtual_cores::Wake wait(Thread& me, std::uintptr_t address, std::uint32_t expected,
@@ -24,8 +23,6 @@ class Kernel {
   Sleepers& sleepers_of(std::uintptr_t address);
   void park(Thread& me, Sleepers* among, Time until);
 
-  State& state_;
-  RunQueues& run_queues_;
   EventLoop& loop_;
   Accesses& accesses_;
   Time syscall_, futex_wait_, wake_call_;

@@ -22,15 +22,13 @@ std::vector<Thread> threads_on(const Profile& profile,
 
 Machine::Machine(const Profile& profile, const std::vector<unsigned>& hardware_threads,
                  std::uint64_t seed)
-    : state_(profile, threads_on(profile, hardware_threads), seed),
-      heap_(static_cast<unsigned>(hardware_threads.size())),
-      stores_(profile, state_),
-      run_queues_(profile, state_),
-      loop_(tenant_, state_, stores_, run_queues_),
-      accesses_(profile, state_, stores_, loop_, heap_),
-      kernel_(profile, state_, run_queues_, loop_, accesses_),
+    : heap_(static_cast<unsigned>(hardware_threads.size())),
+      loop_(profile, threads_on(profile, hardware_threads), seed, tenant_),
+      state_(loop_.state()),
+      accesses_(profile, loop_, heap_),
+      kernel_(profile, loop_, accesses_),
       library_(heap_, accesses_, kernel_),
-      tenant_(state_, loop_, accesses_, kernel_, library_, heap_) {}
+      tenant_(loop_, accesses_, kernel_, library_, heap_) {}
 
 void Machine::set_up(const std::function<void()>& body) {
   const Ending ending = loop_.run_untimed([&body](unsigned) { body(); });

@@ -71,11 +71,9 @@ class Machine {
   const Heap& heap() const { return heap_; }
 
  private:
-  State state_;
   Heap heap_;
-  PostedStores stores_;
-  RunQueues run_queues_;
   EventLoop loop_;
+  State& state_;
   Accesses accesses_;
   Kernel kernel_;
   CLibrary library_;

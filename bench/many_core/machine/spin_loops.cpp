@@ -75,6 +75,7 @@ void SpinLoops::note_round(Thread& me, const virtual_cores::Access& access) {
 void SpinLoops::sleep(Thread& me) {
   LoopState& loop = me.loop;
   const Time period = me.clock - loop.clock;
+  State& state = loop_.state();
   loop_.sync(me);
   const bool all_held = std::all_of(loop.watches.begin(), loop.watches.begin() + loop.lines,
                                     [&me](const Watch& w) { return w.line->held_by(me.core); });
@@ -90,9 +91,9 @@ void SpinLoops::sleep(Thread& me) {
   loop.period = period;
   loop.has_slept = true;
   // It looks up when time is over, since that may be what it waits for.
-  const Time end = state_.measurement.end;
+  const Time end = state.measurement.end;
   const Time alarm = me.clock < end ? std::min(me.deadline, end) : me.deadline;
-  state_.events.push(me.event, since + (alarm - since + period - 1) / period * period);
+  state.events.push(me.event, since + (alarm - since + period - 1) / period * period);
   loop_.wait();
   loop.period = 0;
   for (unsigned i = 0; i < loop.lines; ++i) {
@@ -102,7 +103,7 @@ void SpinLoops::sleep(Thread& me) {
   }
   const auto rounds = static_cast<std::uint64_t>((me.clock - since) / period);
   me.failures += rounds * (me.failures - loop.failures);
-  state_.measurement.note_wait(Cause::spinning, since, me.clock);
+  state.measurement.note_wait(Cause::spinning, since, me.clock);
   ++me.changes;  // what it reads now may differ
 }
 

@@ -9,7 +9,7 @@ namespace irt::many_core {
 
 class SpinLoops {
  public:
-  SpinLoops(State& state, EventLoop& loop) : state_(state), loop_(loop) {}
+  explicit SpinLoops(EventLoop& loop) : loop_(loop) {}
 
   /// The thread is about to load; it may sleep first.
   void check(Thread& me, const virtual_cores::Access& access) {
@@ -27,7 +27,6 @@ class SpinLoops {
   void note_round(Thread& me, const virtual_cores::Access& access);
   void sleep(Thread& me);
 
-  State& state_;
   EventLoop& loop_;
 };
 

@@ -9,9 +9,8 @@ namespace irt::many_core {
 
 class MachineTenant final : public virtual_cores::Tenant {
  public:
-  MachineTenant(State& state, EventLoop& loop, Accesses& accesses, Kernel& kernel,
-                CLibrary& library, Heap& heap)
-      : state_(state),
+  MachineTenant(EventLoop& loop, Accesses& accesses, Kernel& kernel, CLibrary& library, Heap& heap)
+      : state_(loop.state()),
         loop_(loop),
         accesses_(accesses),
         kernel_(kernel),
