@@ -1,7 +1,6 @@
 #include "bench/contention/child.hpp"
 
 #include <iostream>
-#include <stdexcept>
 #include <string>
 #include <unistd.h>
 
@@ -37,8 +36,7 @@ class Answers {
 MeasuringChild::MeasuringChild(const std::filesystem::path& program, const Job& job)
     : job_(job), process_([&program](int line) {
         speak_by_standard_streams(line);
-        execl(program.c_str(), program.c_str(), child_command, nullptr);
-        throw std::runtime_error(program.string() + " cannot be started");
+        become({program.string(), child_command});
       }) {
   process_.tell(nlohmann::json(job).dump() + '\n');
 }

@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "bench/conditions/conditions.hpp"
@@ -14,6 +12,7 @@
 #include "bench/running/text_files.hpp"
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
+#include "stress/running/child.hpp"
 #include "stress/running/program.hpp"
 
 // Named in what callgrind is told to look at, so not inlined and with a plain name.
@@ -103,14 +102,7 @@ std::vector<Function> profile(const std::string& queue, const Options& options) 
                                  std::to_string(options.burst),
                                  "--operations",
                                  std::to_string(options.operations)};
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  int status = -1;
-  if (posix_spawnp(&child, "valgrind", nullptr, nullptr, arguments.data(), environ) != 0 ||
-      waitpid(child, &status, 0) != child || status != 0)
+  if (Child([&](int) { become(words); }).wait() != 0)
     throw std::runtime_error("queue '" + queue +
                              "': valgrind did not finish; its message is above");
   std::ifstream file(out);

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <fcntl.h>
+#include <cstdio>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
 
 #include "bench/running/text_files.hpp"
+#include "stress/running/child.hpp"
 
 namespace irt {
 namespace {
@@ -160,21 +160,12 @@ std::string caption_of(const Panel& panel, const Plot& plot) {
 bool draw(const std::vector<std::string>& scripts, const std::filesystem::path& directory) {
   std::vector<std::string> words{"gnuplot"};
   words.insert(words.end(), scripts.begin(), scripts.end());
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "gnuplot.log",
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return false;
-  int status = 0;
-  waitpid(child, &status, 0);
+  Child gnuplot([&](int) {
+    std::filesystem::current_path(directory);
+    if (std::freopen("gnuplot.log", "w", stderr) == nullptr) _exit(1);
+    become(words);
+  });
+  const int status = gnuplot.wait();
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

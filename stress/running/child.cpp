@@ -107,6 +107,15 @@ void Child::stop() {
   if (!WIFSTOPPED(status)) status_ = status;
 }
 
+void become(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execvp(arguments[0], arguments.data());
+  throw std::runtime_error(words[0] + " cannot be started");
+}
+
 void say(int line, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(line, bytes.data(), bytes.size());

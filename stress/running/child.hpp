@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <sys/types.h>
+#include <vector>
 
 namespace irt {
 
@@ -47,5 +49,10 @@ class Child {
 
 /// For the child: writes all, or ends it where nobody listens any more.
 void say(int line, std::string_view bytes);
+
+/// For the child: becomes the program `words[0]`, a path or a name to be looked for as a shell
+/// does, with the other words as its arguments. Throws std::runtime_error where it cannot be
+/// started.
+[[noreturn]] void become(std::vector<std::string> words);
 
 }  // namespace irt
