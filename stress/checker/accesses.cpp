@@ -194,18 +194,6 @@ Value Execution::read_event(const Request& request, bool may_write, Decide decid
   }
 }
 
-Order Execution::order_at(const void* pc, bool failure, EventKind kind, Order order) {
-  if (!watches_orders_) return order;
-  auto [place, fresh] = weakened_[failure ? 1 : 0].try_emplace(pc, order);
-  if (fresh) order_sites_.push_back({pc, failure, kind, order});
-  return place->second;
-}
-
-void Execution::weaken(const std::vector<std::pair<OrderSite, Order>>& changes) {
-  watches_orders_ = watches_orders_ || !changes.empty();
-  for (const auto& [site, order] : changes) weakened_[site.failure ? 1 : 0][site.pc] = order;
-}
-
 // Outside of the threads' time everything happens before or after everything else, so that a read
 // finds what memory holds and nothing needs an event.
 void Execution::step_alone(std::uintptr_t address, std::size_t size, bool writes, const void* pc) {
@@ -224,7 +212,7 @@ Value Execution::load(const Access& access) {
   }
   check_loop(access.pc);
   reach(access.address, false);
-  const Order order = order_at(access.pc, false, EventKind::load, access.order);
+  const Order order = orders_.at(access.pc, false, EventKind::load, access.order);
   return read_event(
       {access.address, access.size, access.pc, order, order}, false,
       [](Value) { return Meaning::load; }, [](Value value) { return value; });
@@ -237,7 +225,7 @@ Value Execution::modify(const Access& access, virtual_cores::Operation operation
   }
   check_loop(access.pc);
   reach(access.address, true);
-  const Order order = order_at(access.pc, false, EventKind::modify, access.order);
+  const Order order = orders_.at(access.pc, false, EventKind::modify, access.order);
   return read_event(
       {access.address, access.size, access.pc, order, order}, true,
       [](Value) { return Meaning::modify; },
@@ -256,8 +244,8 @@ bool Execution::compare_exchange(const Access& access, Order failure, bool weak,
   const Value wanted = expected;
   expected = read_event(
       {access.address, access.size, access.pc,
-       order_at(access.pc, false, EventKind::modify, access.order),
-       order_at(access.pc, true, EventKind::modify, failure), false, true},
+       orders_.at(access.pc, false, EventKind::modify, access.order),
+       orders_.at(access.pc, true, EventKind::modify, failure), false, true},
       !fails,
       [&](Value value) { return value == wanted && !fails ? Meaning::modify : Meaning::load; },
       [&](Value) { return desired; });
@@ -288,7 +276,7 @@ void Execution::store(const Access& access, Value value) {
   }
   Event& event =
       graph_.begin(EventKind::store, thread,
-                   order_at(access.pc, false, EventKind::store, access.order), access.pc);
+                   orders_.at(access.pc, false, EventKind::store, access.order), access.pc);
   const std::size_t last = graph_.location(id).stores.size();
   std::size_t place = last;
   if (phase_ == Phase::parallel) {
@@ -317,7 +305,7 @@ void Execution::fence(Order order, const void* pc) {
   check_limit(pc);
   if (phase_ != Phase::parallel) return;
   Event& event = graph_.begin(EventKind::fence, cores_.current(),
-                              order_at(pc, false, EventKind::fence, order), pc);
+                              orders_.at(pc, false, EventKind::fence, order), pc);
   graph_.finish_fence(event);
   record(event, 0);
 }

@@ -52,7 +52,7 @@ std::optional<bool> repeats(const Scenario& scenario, const Options& options, De
                             Result& result) {
   const auto trace = [&](std::uint64_t seed) -> std::optional<std::string> {
     Execution execution(scenario, options.limits);
-    execution.weaken(options.weakened);
+    execution.orders().weaken(options.weakened);
     execution.until(deadline);
     for (;;) {
       RandomWalk walk(seed, 0, 1);
@@ -224,12 +224,12 @@ Result check(const Scenario& scenario, const Options& options) {
   }
   {
     Execution execution(scenario, options.limits);
-    execution.weaken(options.weakened);
+    execution.orders().weaken(options.weakened);
     execution.know(options.known);
     execution.until(deadline);
-    if (options.watch_orders) execution.watch_orders();
+    if (options.watch_orders) execution.orders().watch();
     result = Exploration(scenario, options, execution).run();
-    result.order_sites = execution.order_sites();
+    result.order_sites = execution.orders().sites();
     result.allocates = execution.allocates();
   }
   if (scenario.histories) result.histories = scenario.histories();
@@ -244,7 +244,7 @@ Result check(const Scenario& scenario, const Options& options) {
 std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& options,
                                   const Schedule& schedule) {
   auto execution = std::make_unique<Execution>(scenario, options.limits);
-  execution->weaken(options.weakened);
+  execution->orders().weaken(options.weakened);
   execution->know(options.known);
   for (;;) {
     Replay replay(schedule);

@@ -47,7 +47,7 @@ struct Options {
   unsigned shard = 0;
   unsigned shards = 1;
   /// Orders to weaken in the code, see Execution::weaken.
-  std::vector<std::pair<Execution::OrderSite, Order>> weakened{};
+  std::vector<std::pair<OrderSite, Order>> weakened{};
   /// Findings to pass over, see Execution::know.
   std::vector<Finding> known{};
   bool watch_orders = false;  ///< fills Result::order_sites
@@ -72,7 +72,7 @@ struct Exchanged {
 struct Result {
   std::optional<Finding> finding;
   Schedule schedule{};  ///< of the execution that found it
-  std::vector<Execution::OrderSite> order_sites{};
+  std::vector<OrderSite> order_sites{};
   std::vector<std::uint64_t> histories{};  ///< see Scenario
   std::uint64_t executions = 0;            ///< of any outcome
   std::uint64_t complete = 0;              ///< ran to their end

@@ -17,6 +17,7 @@
 #include "stress/checker/finding.hpp"
 #include "stress/checker/graph.hpp"
 #include "stress/checker/heap.hpp"
+#include "stress/checker/memory_orders.hpp"
 #include "stress/checker/strategy.hpp"
 #include "stress/virtual_cores/virtual_cores.hpp"
 
@@ -176,21 +177,10 @@ class Execution final : public virtual_cores::Tenant {
   /// Whether it came to its end, or was stopped for good.
   [[nodiscard]] bool ended(unsigned thread) const { return states_[thread].done; }
 
-  /// An order in the code: where, of what, and which.
-  struct OrderSite {
-    const void* pc;
-    bool failure;  ///< of a compare-exchange that fails
-    EventKind kind;
-    Order order;
-  };
-  /// Notes orders from now on.
-  void watch_orders() { watches_orders_ = true; }
-  /// The orders met since, each once.
-  [[nodiscard]] const std::vector<OrderSite>& order_sites() const { return order_sites_; }
+  /// Those of the code in runs to come.
+  [[nodiscard]] MemoryOrders& orders() { return orders_; }
   /// Notes in `diary` what threads look at besides their events, in runs to come.
   void keep(Diary* diary) { diary_ = diary; }
-  /// From now on, the code's order at these places is another one.
-  void weaken(const std::vector<std::pair<OrderSite, Order>>& changes);
 
   // Tenant.
   void plain_read(std::uintptr_t address, std::size_t size, const void* pc) override;
@@ -336,8 +326,6 @@ class Execution final : public virtual_cores::Tenant {
   unsigned other_choice(unsigned count, const void* pc);
   bool chosen(const void* pc);
   void record(const Event& event, std::size_t choice);
-  bool watches_orders_ = false;
-  Order order_at(const void* pc, bool failure, EventKind kind, Order order);
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ > Phase::ageing; }
   /// Before and after the threads, when there is no order to choose and memory holds every value.
@@ -397,8 +385,7 @@ class Execution final : public virtual_cores::Tenant {
   std::vector<std::uintptr_t> stacks_;  ///< of the cores: lowest addresses
   std::size_t stack_bytes_;
   Diary* diary_ = nullptr;
-  std::vector<OrderSite> order_sites_;
-  std::unordered_map<const void*, Order> weakened_[2];  ///< of success, of failure
+  MemoryOrders orders_;
 };
 
 }  // namespace irt::checker

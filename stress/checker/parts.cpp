@@ -196,7 +196,7 @@ class Parts {
       sum.exchanged.orders = std::max(sum.exchanged.orders, part.exchanged.orders);
       sum.exchanged.histories = std::max(sum.exchanged.histories, part.exchanged.histories);
       sum.exchanged.executions += part.exchanged.executions;
-      for (const Execution::OrderSite& site : part.order_sites)
+      for (const OrderSite& site : part.order_sites)
         if (std::none_of(sum.order_sites.begin(), sum.order_sites.end(), [&site](const auto& s) {
               return s.pc == site.pc && s.failure == site.failure;
             }))

@@ -62,7 +62,7 @@ Result from_bytes(const std::string& bytes) {
   }
   r.schedule.steps = in.take_all<std::vector<Step>>();
   r.schedule.waiting_resumes = in.take<bool>();
-  r.order_sites = in.take_all<std::vector<Execution::OrderSite>>();
+  r.order_sites = in.take_all<std::vector<OrderSite>>();
   r.histories = in.take_all<std::vector<std::uint64_t>>();
   r.incomplete = in.take_all<std::string>();
   r.incomplete_at = in.take<const void*>();

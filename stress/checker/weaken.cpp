@@ -14,7 +14,7 @@ namespace irt::checker {
 namespace {
 
 /// The next weaker orders that the operation may have.
-std::vector<Order> weaker(const Execution::OrderSite& site) {
+std::vector<Order> weaker(const OrderSite& site) {
   const bool loads = site.kind != EventKind::store;
   const bool stores = site.kind != EventKind::load && !site.failure;
   switch (site.order) {
@@ -46,18 +46,18 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
   Symbols symbols(module);
   // One line of source may have been compiled into several places.
   using Key = std::tuple<std::string, std::string, Order, bool, EventKind>;
-  std::map<Key, std::vector<Execution::OrderSite>> sites;
+  std::map<Key, std::vector<OrderSite>> sites;
   std::map<const void*, bool> known;
   for (const std::string& text : shapes) {
     QueueClient client(entry, parse_shape(text), settings.capacity, &module, clocked);
     Options options = settings.options;
     options.seconds = 1;
     options.watch_orders = true;
-    const std::vector<Execution::OrderSite> seen = check(client.scenario(), options).order_sites;
+    const std::vector<OrderSite> seen = check(client.scenario(), options).order_sites;
     std::vector<const void*> pcs;
-    for (const Execution::OrderSite& site : seen) pcs.push_back(site.pc);
+    for (const OrderSite& site : seen) pcs.push_back(site.pc);
     symbols.look_up(pcs);
-    for (const Execution::OrderSite& site : seen) {
+    for (const OrderSite& site : seen) {
       if (site.pc == nullptr || weaker(site).empty()) continue;
       auto& same = sites[{symbols.name(site.pc), symbols.at(site.pc).text, site.order, site.failure,
                           site.kind}];
@@ -75,7 +75,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
         QueueClient client(entry, parse_shape(text), settings.capacity, &module, clocked);
         Options options = settings.options;
         options.seconds = settings.seconds / static_cast<double>(shapes.size());
-        for (const Execution::OrderSite& site : places) options.weakened.emplace_back(site, order);
+        for (const OrderSite& site : places) options.weakened.emplace_back(site, order);
         const Result result = check(client.scenario(), options);
         complete = complete && (result.finished || result.finding);
         if (!result.finding) continue;
