@@ -90,6 +90,20 @@ TEST(Batteries, try_rings_of_sizes_that_are_no_powers_of_two) {
   }
 }
 
+// Photon's ring before #504: *empty* to a thread that looked while another pushed and popped twice.
+TEST(Batteries, push_and_pop_in_several_threads_of_a_ring_that_is_never_full) {
+  const std::vector<std::string> shapes = battery(anything);
+  EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(), [](const std::string& text) {
+    const Shape shape = parse_shape(text);
+    std::size_t pushes = shape.prologue.size();
+    for (const std::string& thread : shape.threads) {
+      if (!thread.starts_with("ED")) return false;
+      pushes += static_cast<std::size_t>(std::count(thread.begin(), thread.end(), 'E'));
+    }
+    return pushes >= 3 && shape.capacity > pushes;
+  }));
+}
+
 TEST(Batteries, age_a_queue_to_just_before_a_counter_wraps) {
   const auto crosses = [](const Claims& claims, bool old, std::uint64_t range) {
     for (const std::string& text : aged_battery(claims, old)) {
