@@ -151,6 +151,7 @@ std::string key_of(const Task& task, std::uint64_t seed) {
 }
 
 // A line of the journal.
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON does not throw
 struct Kept {
   std::string key;
   nlohmann::json result;
