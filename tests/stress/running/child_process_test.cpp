@@ -68,6 +68,16 @@ TEST(ChildProcess, OneThatThrowsOrSaysNothingHasFailed) {
   EXPECT_EQ(in_child(patience, never, [] { return std::string(); }).status, "failed");
 }
 
+TEST(ChildProcess, OneThatBecomesAnotherProgramAnswersLikeIt) {
+  ChildProcess child([](int line) {
+    speak_by_standard_streams(line);
+    become({"printf", "%s by name", "found"});
+  });
+  EXPECT_EQ(child.end(patience, never).answer, "found by name");
+  const Ending missing = in_child(patience, never, []() -> std::string { become({"/no/such"}); });
+  EXPECT_EQ(missing.message, "exit code 1: /no/such cannot be started");
+}
+
 TEST(ChildProcess, OneThatIsSilentIsKilled) {
   ChildProcess child([](int) { pause(); });
   EXPECT_EQ(child.line(0.05, never), std::nullopt);

@@ -1,0 +1,71 @@
+// How programs begin and end: what they are told, what they say, their exit codes.
+#include "stress/running/program.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <gtest/gtest.h>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "stress/running/arguments.hpp"
+#include "stress/running/shard.hpp"
+#include "stress/running/usage_error.hpp"
+
+namespace irt {
+namespace {
+
+struct Ended {
+  int code;
+  std::string said;
+};
+
+Ended ended(const std::function<int()>& work, std::string_view smaller = {}) {
+  testing::internal::CaptureStderr();
+  const int code = run_program("irt test", work, smaller);
+  return {code, testing::internal::GetCapturedStderr()};
+}
+
+TEST(Program, SaysInOneLineWhatWentWrong) {
+  EXPECT_EQ(ended([] { return 130; }).code, 130);
+  const Ended refused = ended([]() -> int { throw UsageError("--size 3: too small"); });
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_EQ(refused.said, "irt test: --size 3: too small\n");
+}
+
+TEST(Program, SaysWhatNeedsLessMemory) {
+  const auto starve = []() -> int { throw std::bad_alloc(); };
+  EXPECT_EQ(ended(starve, "a smaller picture").said,
+            "irt test: out of memory; use a smaller picture\n");
+  EXPECT_EQ(ended(starve).said, "irt test: std::bad_alloc\n");
+}
+
+TEST(Arguments, AMistakeIsToldAndEndsInTwo) {
+  for (const bool one_line : {false, true}) {
+    CLI::App app("", "irt test");
+    std::string value;
+    app.add_option("--value", value);
+    refuse_empty(app);
+    if (one_line) tell_in_one_line(app, "irt test");
+    EXPECT_EQ(parse(app, "--value x"), std::nullopt);
+    EXPECT_EQ(value, "x");
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse(app, std::vector<std::string>{"", "--value"}), 2);  // backwards
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find("nothing is given"), std::string::npos) << said;
+    EXPECT_EQ(said.starts_with("irt test: --value"), one_line) << said;
+    EXPECT_EQ(std::ranges::count(said, '\n') == 1, one_line) << said;
+  }
+}
+
+TEST(Shard, IsWrittenAsAFraction) {
+  const Shard third = parse_shard("2/4");
+  EXPECT_EQ(third.index, 2u);
+  EXPECT_EQ(third.count, 4u);
+  for (const char* text : {"", "1", "4/4", "1/0", "1/2/3", "0/2x", "half"}) {
+    EXPECT_THROW(parse_shard(text), UsageError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace irt
