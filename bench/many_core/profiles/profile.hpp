@@ -1,6 +1,6 @@
 /// A machine as the simulator sees it: how its cores are grouped, and what they pay each other.
 ///
-/// A profile is a JSON file in `profiles/`, some ten lines: a figure is written
+/// A profile is a JSON file beside this one, some ten lines: a figure is written
 /// [value, "source"], or [value, "source", low, high] where sensitivity should try other values
 /// than the usual. What a file leaves out has a default, which says so in its source.
 #pragma once
