@@ -132,6 +132,8 @@ TEST(ClaimsOnThreads, DestroysQueuesWithElementsInside) {
     const Result result = run_on(queue, "left-inside", 0.5);
     EXPECT_TRUE(result.findings.empty()) << queue.name << ": " << result.findings[0].evidence;
   }
+  if (sanitizer == Sanitizer::thread)
+    GTEST_SKIP() << "ThreadSanitizer's allocator takes a block back twice without a word";
   EXPECT_NE(claim_of(run_on(queue_entry<DroppedListTwiceBug>("frees-twice"), "left-inside", 3)),
             "nothing");
   if (sanitizer != Sanitizer::address) GTEST_SKIP() << "only AddressSanitizer sees the others";
