@@ -196,11 +196,11 @@ class Comparison {
       workloads_.push_back(std::make_unique<Workload>(workload));
     }
     first_frames(file);
-    if (!journal_) {
+    if (journal_) sweep();
+    if (!journal_ || journal_->results().empty()) {
       fmt::print(stderr, "irt: interrupted before anything was measured\n");
       return exit_interrupted;
     }
-    sweep();
     return report();
   }
 

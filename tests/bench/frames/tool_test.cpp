@@ -76,26 +76,6 @@ TEST(Tool, FiguresOnStandardOutputAreAlone) {
   EXPECT_EQ(nlohmann::json::parse(compare.out(), nullptr, false).size(), 1u) << compare.out();
 }
 
-TEST(Tool, AnInterruptedFrameOverwritesNothing) {
-  const TemporaryDirectory directory;
-  const auto office = [](Arguments more) {
-    more.insert(more.begin(), {"render", "--scene", "office", "--size", "200x200"});
-    return more;
-  };
-  Tool whole(office({"--frames", "1", "--image", directory / "whole.png"}));
-  ASSERT_EQ(whole.wait(), 0) << whole.err();
-  Tool tool(office(
-      {"--frames", "1000000", "--image", directory / "a.png", "--json", directory / "a.json"}));
-  std::this_thread::sleep_for(std::chrono::seconds(3));
-  tool.signal(SIGINT);
-  EXPECT_EQ(tool.wait(), 130) << tool.err();
-  EXPECT_EQ(contents(directory / "a.png"), contents(directory / "whole.png"));
-  const auto run = json_of(directory / "a.json").at(0);
-  EXPECT_EQ(run["status"], "interrupted");
-  EXPECT_GT(run["fps"], 0);
-  EXPECT_TRUE(run["share_traverse"].is_null() && run["share_intersect"].is_null());
-}
-
 TEST(Tool, ASmallSceneTakesTheSecondsItIsGiven) {
   const TemporaryDirectory directory;
   const auto begin = std::chrono::steady_clock::now();
