@@ -31,26 +31,30 @@ using irt::virtual_cores::Wake;
 
 #define IRT_PC __builtin_return_address(0)
 
+/// Whom these functions ask: the registers that the code had at an atomic operation of before are
+/// not those that it has now.
+irt::virtual_cores::Tenant& tenant() {
+  irt::virtual_cores::forget_registers();
+  return *active;
+}
+
 constexpr std::int64_t forever = -1;
 constexpr unsigned everybody = INT_MAX;
 
 std::uint32_t load(const std::uint32_t& word, const void* pc) {
-  irt::virtual_cores::forget_registers();
-  return static_cast<std::uint32_t>(active->load({address_of(&word), 4, Order::acquire, pc}));
+  return static_cast<std::uint32_t>(tenant().load({address_of(&word), 4, Order::acquire, pc}));
 }
 void store(std::uint32_t& word, std::uint32_t value, const void* pc) {
-  active->store({address_of(&word), 4, Order::release, pc}, value);
+  tenant().store({address_of(&word), 4, Order::release, pc}, value);
 }
 std::uint32_t add(std::uint32_t& word, std::uint32_t value, const void* pc) {
-  irt::virtual_cores::forget_registers();
   return static_cast<std::uint32_t>(
-      active->modify({address_of(&word), 4, Order::acq_rel, pc}, Operation::add, value));
+      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Operation::add, value));
 }
 bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired, const void* pc) {
-  irt::virtual_cores::forget_registers();
   Value seen = expected;
-  return active->compare_exchange({address_of(&word), 4, Order::acq_rel, pc}, Order::acquire, false,
-                                  seen, desired);
+  return tenant().compare_exchange({address_of(&word), 4, Order::acq_rel, pc}, Order::acquire,
+                                   false, seen, desired);
 }
 
 // Zeroes an object that the code has made.
@@ -63,7 +67,7 @@ void clear(T& object, const void* pc) {
 // How long until `deadline`; never negative, for that means forever.
 std::int64_t until(const timespec* deadline) {
   const std::int64_t left =
-      deadline->tv_sec * std::int64_t{1'000'000'000} + deadline->tv_nsec - active->now();
+      deadline->tv_sec * std::int64_t{1'000'000'000} + deadline->tv_nsec - tenant().now();
   return left < 0 ? 0 : left;
 }
 
@@ -89,7 +93,7 @@ int lock(Mutex& mutex, const void* pc) {
     ++mutex.depth;
     return 0;
   }
-  active->lock(mutex.address(), pc);
+  tenant().lock(mutex.address(), pc);
   mutex.owner = current_core + 1;
   return 0;
 }
@@ -99,20 +103,20 @@ int try_lock(Mutex& mutex, const void* pc) {
     ++mutex.depth;
     return 0;
   }
-  if (!active->try_lock(mutex.address(), pc)) return EBUSY;
+  if (!tenant().try_lock(mutex.address(), pc)) return EBUSY;
   mutex.owner = current_core + 1;
   return 0;
 }
 
 int unlock(Mutex& mutex, const void* pc) {
   if (mutex.owner != current_core + 1)
-    active->failed("a mutex is unlocked by a thread that does not hold it", pc);
+    tenant().failed("a mutex is unlocked by a thread that does not hold it", pc);
   if (mutex.depth != 0) {
     --mutex.depth;
     return 0;
   }
   mutex.owner = 0;
-  active->unlock(mutex.address(), pc);
+  tenant().unlock(mutex.address(), pc);
   return 0;
 }
 
@@ -127,14 +131,14 @@ int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanosec
   std::uint32_t& sequence = sequence_of(condition, pc);
   const std::uint32_t seen = load(sequence, pc);
   unlock(mutex, pc);
-  const Wake wake = active->wait(address_of(&sequence), seen, nanoseconds, pc);
+  const Wake wake = tenant().wait(address_of(&sequence), seen, nanoseconds, pc);
   lock(mutex, pc);
   return wake == Wake::timed_out ? ETIMEDOUT : 0;
 }
 
 int condition_notify(pthread_cond_t* condition, unsigned count, const void* pc) {
   add(sequence_of(condition, pc), 1, pc);
-  active->wake(address_of(condition), count, pc);
+  tenant().wake(address_of(condition), count, pc);
   return 0;
 }
 
@@ -205,14 +209,14 @@ IRT_REDIRECTED int irt_vc_pthread_spin_destroy(pthread_spinlock_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_lock(pthread_spinlock_t* s) {
-  active->lock(address_of(s), IRT_PC);
+  tenant().lock(address_of(s), IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_trylock(pthread_spinlock_t* s) {
-  return active->try_lock(address_of(s), IRT_PC) ? 0 : EBUSY;
+  return tenant().try_lock(address_of(s), IRT_PC) ? 0 : EBUSY;
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_unlock(pthread_spinlock_t* s) {
-  active->unlock(address_of(s), IRT_PC);
+  tenant().unlock(address_of(s), IRT_PC);
   return 0;
 }
 
@@ -270,11 +274,11 @@ IRT_REDIRECTED int irt_vc_sem_destroy(sem_t*) {
 }
 IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
   add(count_of(s, IRT_PC), 1, IRT_PC);
-  active->wake(address_of(s), 1, IRT_PC);
+  tenant().wake(address_of(s), 1, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_wait(sem_t* s) {
-  while (!take(count_of(s, IRT_PC), IRT_PC)) active->wait(address_of(s), 0, forever, IRT_PC);
+  while (!take(count_of(s, IRT_PC), IRT_PC)) tenant().wait(address_of(s), 0, forever, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
@@ -298,7 +302,7 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_tryrdlock(pthread_rwlock_t* l) {
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_rdlock(pthread_rwlock_t* l) {
   while (irt_vc_pthread_rwlock_tryrdlock(l) != 0)
-    active->wait(address_of(l), writer, forever, IRT_PC);
+    tenant().wait(address_of(l), writer, forever, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_trywrlock(pthread_rwlock_t* l) {
@@ -307,7 +311,7 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_trywrlock(pthread_rwlock_t* l) {
 IRT_REDIRECTED int irt_vc_pthread_rwlock_wrlock(pthread_rwlock_t* l) {
   while (!swap_if(word_of(l, IRT_PC), 0, writer, IRT_PC)) {
     const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
-    if (seen != 0) active->wait(address_of(l), seen, forever, IRT_PC);
+    if (seen != 0) tenant().wait(address_of(l), seen, forever, IRT_PC);
   }
   return 0;
 }
@@ -317,7 +321,7 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
     store(word_of(l, IRT_PC), 0, IRT_PC);
   else
     add(word_of(l, IRT_PC), ~0U, IRT_PC);
-  active->wake(address_of(l), everybody, IRT_PC);
+  tenant().wake(address_of(l), everybody, IRT_PC);
   return 0;
 }
 
@@ -337,38 +341,48 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
   if (add(barrier.missing, ~0U, IRT_PC) == 1) {
     store(barrier.missing, barrier.total, IRT_PC);
     add(barrier.round, 1, IRT_PC);
-    active->wake(address_of(&barrier.round), everybody, IRT_PC);
+    tenant().wake(address_of(&barrier.round), everybody, IRT_PC);
     return PTHREAD_BARRIER_SERIAL_THREAD;
   }
   while (load(barrier.round, IRT_PC) == round)
-    active->wait(address_of(&barrier.round), round, forever, IRT_PC);
+    tenant().wait(address_of(&barrier.round), round, forever, IRT_PC);
   return 0;
 }
 
 // --- Once ------------------------------------------------------------------------------------
 
 IRT_REDIRECTED int irt_vc___cxa_guard_acquire(Guard* guard) {
-  active->lock(address_of(&guard->lock), IRT_PC);
-  irt::virtual_cores::forget_registers();
-  if (active->load({address_of(&guard->made), 1, Order::acquire, IRT_PC}) == 0) return 1;
-  active->unlock(address_of(&guard->lock), IRT_PC);
+  tenant().lock(address_of(&guard->lock), IRT_PC);
+  if (tenant().load({address_of(&guard->made), 1, Order::acquire, IRT_PC}) == 0) return 1;
+  tenant().unlock(address_of(&guard->lock), IRT_PC);
   return 0;
 }
 IRT_REDIRECTED void irt_vc___cxa_guard_release(Guard* guard) {
-  active->store({address_of(&guard->made), 1, Order::release, IRT_PC}, 1);
-  active->unlock(address_of(&guard->lock), IRT_PC);
+  tenant().store({address_of(&guard->made), 1, Order::release, IRT_PC}, 1);
+  tenant().unlock(address_of(&guard->lock), IRT_PC);
 }
 IRT_REDIRECTED void irt_vc___cxa_guard_abort(Guard* guard) {
-  active->unlock(address_of(&guard->lock), IRT_PC);
+  tenant().unlock(address_of(&guard->lock), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_once(pthread_once_t* once, void (*function)()) {
   auto& state = *reinterpret_cast<std::uint32_t*>(once);  // 0 fresh, 1 in progress, 2 done
-  if (swap_if(state, 0, 1, IRT_PC)) {
-    function();
-    store(state, 2, IRT_PC);
-    active->wake(address_of(once), everybody, IRT_PC);
+  const void* const pc = IRT_PC;
+  const auto become = [&](std::uint32_t next) {
+    store(state, next, pc);
+    tenant().wake(address_of(once), everybody, pc);
+  };
+  while (!swap_if(state, 0, 1, pc)) {
+    const std::uint32_t seen = load(state, pc);
+    if (seen == 2) return 0;
+    if (seen == 1) tenant().wait(address_of(once), 1, forever, pc);
   }
-  while (load(state, IRT_PC) != 2) active->wait(address_of(once), 1, forever, IRT_PC);
+  try {
+    function();
+  } catch (...) {  // of std::call_once: the next caller tries again
+    become(0);
+    throw;
+  }
+  become(2);
   return 0;
 }
 
@@ -391,13 +405,13 @@ IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
     return static_cast<long>(size);
   }
   if (number == SYS_futex && (operation == FUTEX_WAKE || operation == FUTEX_WAKE_BITSET))
-    return active->wake(address, value, IRT_PC);
+    return tenant().wake(address, value, IRT_PC);
   if (number == SYS_futex && (operation == FUTEX_WAIT || operation == FUTEX_WAIT_BITSET)) {
     std::int64_t nanoseconds = forever;
     if (time != nullptr)  // relative for FUTEX_WAIT, a deadline for FUTEX_WAIT_BITSET
       nanoseconds =
           operation == FUTEX_WAIT ? time->tv_sec * 1'000'000'000 + time->tv_nsec : until(time);
-    switch (active->wait(address, value, nanoseconds, IRT_PC)) {
+    switch (tenant().wait(address, value, nanoseconds, IRT_PC)) {
       case Wake::woken:
         return 0;
       case Wake::value_differs:
