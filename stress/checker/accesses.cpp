@@ -376,6 +376,7 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
   read_event(
       request, true, [](Value) { return Meaning::modify; },
       [thread](Value value) { return with_sleeper(value, thread); });
+  fence(Order::seq_cst, pc);  // as the kernel, and as wake() on the other side
   reach(address, false);
   const Value seen = read_event(
       {address, 4, pc, Order::acquire, Order::acquire}, false, [](Value) { return Meaning::load; },
@@ -439,12 +440,14 @@ std::uint64_t Execution::tick() {
 
 std::int64_t Execution::now() {
   ++beats_;
+  if (observed()) check_time();
   return phase_ != Phase::idle ? ++me().clock_reads * 1000 : 0;
 }
 
 std::uint64_t Execution::random() {
   // For each thread from another place on, and the same in every execution.
   ++beats_;
+  if (observed()) check_time();
   return SplitMix::at((std::uint64_t{cores_.current()} << 32U) + ++me().draws);
 }
 

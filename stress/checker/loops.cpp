@@ -111,11 +111,19 @@ bool Execution::is_newest(EventId store) const {
 }
 
 // What a loop read before its last round no longer matters to it: only what the round itself read
-// can let it go on.
+// can let it go on. One load may have been made at many places in it, so its reads are asked, not
+// the loads.
 bool Execution::sees_newest(const ThreadState& state) const {
-  return std::all_of(state.visits.begin(), state.visits.end(), [&](const Visit& v) {
-    return v.read < state.round_began || is_newest(v.from);
-  });
+  const auto thread = static_cast<unsigned>(&state - states_.data());
+  const auto& events = graph_.thread(thread).events;
+  auto left = state.reads >= state.round_began ? state.reads - state.round_began + 1 : 0;
+  for (auto id = events.rbegin(); left != 0 && id != events.rend(); ++id) {
+    const Event& event = graph_.event(*id);
+    if (!event.reads || event.blocked) continue;
+    --left;
+    if (!is_newest(source_of(event.from))) return false;
+  }
+  return true;
 }
 
 void Execution::note_visit(const void* pc, EventId from) {
