@@ -40,13 +40,13 @@ std::vector<std::string> battery(const Claims& claims) {
   // than a block of 32, after pushes that failed, beside a pop. The last ones go round a ring of
   // many places between two looks of another thread.
   static const std::vector<std::string> all{
-      "F:D@1",        "F:D@2",        "F:D@3",     "F:D@5",     "E|D",       "E:D|D",
-      "ES|WD",        "E;X",          "F;X@1",     "F;X@2",     "F;X@3",     "ED|ED",
-      "E|E|D",        "E|D|D",        "E|E;X",     "EE|D;X",    "F:D|E;X@3", "(E)*70:D|E;X",
-      "EE|DD",        "E:R|R",        "EE:D|DD",   "EES|D|WD",  "EE:DE|D",   "EE:DD|D",
-      "EE|DE;X",      "EE:D|DE;X",    "E:E|D|E",   "EE|D|D",    "EE|DD@3",   "EEE:DE|D@3",
-      "EDD|E",        "EEEEE:D|E@5",  "E|E|DD",    "EEE|DD",    "EE:DD|ED",  "EEEE:DDDDD|E",
-      "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD", "EDED|ED@5", "EDWD|ES@5"};
+      "F:D@1",        "F:D@2",        "F:D@3",        "F:D@5",     "E|D",       "E:D|D",
+      "ES|WD",        "E;X",          "F;X@1",        "F;X@2",     "F;X@3",     "ED|ED",
+      "E|E|D",        "E|D|D",        "E|E;X",        "EE|D;X",    "F:D|E;X@3", "(E)*70:D|E;X",
+      "EE|DD",        "E:R|R",        "EE:D|DD",      "EES|D|WD",  "EE:DE|D",   "EE:DD|D",
+      "EE|DE;X",      "EE:D|DE;X",    "E:E|D|E",      "EE|D|D",    "EE|DD@3",   "EEE:DE|D@3",
+      "EDD|E",        "EEEEE:D|E@5",  "E|E|DD",       "EEE|DD",    "EE:DD|ED",  "E|E|D@2",
+      "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD", "EDED|ED@5", "EDWD|ES@5"};
   return fitting(all, claims);
 }
 

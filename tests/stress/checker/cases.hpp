@@ -70,6 +70,12 @@ inline const std::vector<Case> cases{
     {"divides-bug", {FindingKind::failure}},
     {"breaks-bug", {FindingKind::failure}},
     {"traps-fixed", {}},
+    {"gives-up-bug", {FindingKind::data_race}},
+    {"gives-up-mutex-bug", {FindingKind::data_race}},
+    {"tried-mutex", {}},
+    {"tried-spin-lock", {}},
+    {"sleeping-flag", {}},
+    {"walked-places", {}},
 };
 // clang-format on
 

@@ -7,6 +7,7 @@
 #include "tests/stress/cases/endless.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
+#include "tests/stress/cases/library_locks.hpp"
 #include "tests/stress/cases/load_time.hpp"
 #include "tests/stress/cases/many_sc.hpp"
 #include "tests/stress/cases/many_steps.hpp"
@@ -20,6 +21,7 @@
 #include "tests/stress/cases/traps.hpp"
 #include "tests/stress/cases/unpublished.hpp"
 #include "tests/stress/cases/waits_for_recycled.hpp"
+#include "tests/stress/cases/walked_places.hpp"
 
 namespace {
 
@@ -54,6 +56,13 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::DroppedRingLooksBug>("dropped-ring-looks-bug"),
     irt::queue_entry<irt::DroppedRingWipesBug>("dropped-ring-wipes-bug"),
     irt::queue_entry<irt::DroppedRingFixed>("dropped-ring-fixed"),
+    irt::queue_entry<irt::TriedMutexBag>("tried-mutex"),
+    irt::queue_entry<irt::TriedSpinLockBag>("tried-spin-lock"),
+    irt::queue_entry<irt::SleepingFlagBag>("sleeping-flag"),
+    irt::queue_entry<irt::GivesUpBug>("gives-up-bug"),
+    irt::queue_entry<irt::GivesUpMutexBug>("gives-up-mutex-bug"),
+    irt::queue_entry<irt::WaitsByTheClock>("waits-by-the-clock"),
+    irt::queue_entry<irt::WalkedPlaces>("walked-places"),
     irt::queue_entry<irt::Chase>("chase"),
     irt::queue_entry<irt::ManySc>("many-sc"),
     irt::queue_entry<irt::ManySteps>("many-steps"),

@@ -112,6 +112,21 @@ volatile std::size_t found;
 
 std::once_flag once;
 int made;
+std::once_flag fails_once;
+int attempts = 0;
+
+// Who comes second makes another attempt, whether it has waited or not.
+void try_to_make() {
+  try {
+    std::call_once(fails_once, [] {
+      if (++attempts == 1) throw std::runtime_error("not yet");
+    });
+    assert(attempts == 2);
+  } catch (const std::runtime_error&) {
+    return;
+  }
+}
+
 void make_once() {
   std::call_once(once, [] { made = 7; });
   assert(made == 7);
@@ -297,6 +312,7 @@ const Program programs[] = {
      [] { message = new std::string("a text that does not fit into the object itself"); },
      [] { delete message; }},
     {"call_once", "", {make_once, make_once}},
+    {"call_once that throws", "", {try_to_make, try_to_make}},
     {"shared_ptr",
      "",
      {[] { drop_copy(0); }, [] { drop_copy(1); }},

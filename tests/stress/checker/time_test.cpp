@@ -93,6 +93,13 @@ TEST_F(Time, bounds_computation_that_may_have_no_end) {
   }
 }
 
+TEST_F(Time, bounds_looks_at_the_clock) {
+  const QueueResult result = check("waits-by-the-clock", {.shapes = {"E|D"}, .seconds = 2});
+  EXPECT_LT(taken_, 2 + late);
+  EXPECT_FALSE(result.found);
+  for (const ShapeResult& shape : result.shapes) EXPECT_FALSE(shape.proved);
+}
+
 // An execution of it takes three seconds and more, and so does each of six that come before.
 TEST_F(Time, is_no_reason_to_accuse_what_computes_for_long) {
   const QueueResult result = check("computes-long", {.shapes = {"E|D"}, .seconds = 12});
