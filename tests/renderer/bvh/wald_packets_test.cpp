@@ -7,7 +7,7 @@ namespace {
 
 TEST(WaldPackets, IncoherentRays) {
   const Mesh mesh = soup(1000, 0.2f);
-  expect_every_way_agrees("wald", mesh, random_rays(mesh, 1001));
+  EXPECT_GT(expect_every_way_agrees("wald", mesh, random_rays(mesh, 1001)), 200u);
 }
 
 TEST(WaldPackets, CoherentRaysOfOneOctant) {
@@ -18,11 +18,11 @@ TEST(WaldPackets, CoherentRaysOfOneOctant) {
     const auto x = static_cast<float>(column) * 0.05f, y = static_cast<float>(row) * 0.05f;
     rays.add({{-3, -3, -3}, {2 + x, 2 + y, 3}}, {1, 1, 1}, 0);
   }
-  expect_every_way_agrees("wald", mesh, rays);
+  EXPECT_GT(expect_every_way_agrees("wald", mesh, rays), 1400u);
 }
 
 TEST(WaldPackets, BadInputs) {
-  expect_every_way_agrees("wald", Mesh(), random_rays(soup(5, 0.2f), 50));
+  EXPECT_EQ(expect_every_way_agrees("wald", Mesh(), random_rays(soup(5, 0.2f), 50)), 0u);
   Mesh mesh = soup(400, 0.5f);
   for (std::uint32_t i = 0; i < 400; ++i) {
     add_triangle(mesh, mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2));
@@ -33,9 +33,9 @@ TEST(WaldPackets, BadInputs) {
     mixed.add(rays.ray(i), {1, 1, 1}, 0);
     if (i % 10 == 3) mixed.add({{nan, 0, 0}, {1, inf, 0}}, {1, 1, 1}, 0);
   }
-  expect_every_way_agrees("wald", mesh, mixed);
-  expect_every_way_agrees("wald", mesh, Rays(0));
-  expect_every_way_agrees("wald", mesh, Rays(16));
+  EXPECT_GT(expect_every_way_agrees("wald", mesh, mixed), 20u);
+  EXPECT_EQ(expect_every_way_agrees("wald", mesh, Rays(0)), 0u);
+  EXPECT_EQ(expect_every_way_agrees("wald", mesh, Rays(16)), 0u);
 }
 
 }  // namespace
