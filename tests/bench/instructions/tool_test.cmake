@@ -33,12 +33,6 @@ foreach(run 0 1)
   endif()
 endforeach()
 
-# With - nothing but JSON goes to standard output. Where nothing can be written nothing is measured.
-execute_process(COMMAND ${TOOL} --queue faa --operations 200 --json -
-  OUTPUT_VARIABLE json ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
-string(JSON value GET "${json}" 0 queue)
-execute_process(COMMAND ${TOOL} --queue faa --json /proc/none/x RESULT_VARIABLE code
-  OUTPUT_VARIABLE measured ERROR_VARIABLE said)
-if(NOT code EQUAL 2 OR measured OR NOT said MATCHES "cannot be written")
-  message(FATAL_ERROR "--json /proc/none/x: exit code ${code}: ${measured}${said}")
-endif()
+include(${CMAKE_CURRENT_LIST_DIR}/../json_option.cmake)
+expect_json_alone("0;queue" --queue faa --operations 200)
+expect_nothing_measured(--queue faa --operations 200)
