@@ -38,14 +38,10 @@ class TriedMutex {
 class TriedSpinLock {
  public:
   TriedSpinLock() { pthread_spin_init(&lock_, PTHREAD_PROCESS_PRIVATE); }
-  bool try_lock() {
-    tries_.fetch_add(1, std::memory_order_relaxed);
-    return pthread_spin_trylock(&lock_) == 0;
-  }
+  bool try_lock() { return pthread_spin_trylock(&lock_) == 0; }
   void unlock() { pthread_spin_unlock(&lock_); }
 
  private:
-  std::atomic<unsigned> tries_{0};
   pthread_spinlock_t lock_;
 };
 
@@ -84,6 +80,9 @@ class LibraryLocked {
   }
 
   bool pop(unsigned /*worker*/, T& task) {
+    // The last operation of the code itself before the library's: what it left behind is the same
+    // whenever the lock is tried.
+    pops_.fetch_add(1, std::memory_order_relaxed);
     bool locked = lock_.try_lock();
     for (unsigned tries = 1; !locked && (patience == 0 || tries < patience); ++tries)
       locked = lock_.try_lock();
@@ -97,6 +96,7 @@ class LibraryLocked {
   }
 
  private:
+  std::atomic<unsigned> pops_{0};
   Lock lock_;
   std::vector<T> tasks_;
 };
@@ -117,73 +117,24 @@ template <class T>
 class GivesUpBug : public LibraryLocked<T, TriedSpinLock, 5> {
   using LibraryLocked<T, TriedSpinLock, 5>::LibraryLocked;
 };
-/// The same with the library's mutex, of which an earlier call of the code is the last that counts.
 template <class T>
-class GivesUpMutexBug {
- public:
-  static constexpr std::string_view summary = "a bag under a mutex that is tried five times";
-  static constexpr Claims claims{.survives_no_memory = false};
-
-  GivesUpMutexBug(unsigned /*workers*/, std::size_t /*capacity*/) { tasks_.reserve(400); }
-
-  bool push(unsigned /*worker*/, T task) {
-    const std::lock_guard lock(mutex_);
-    tasks_.push_back(task);
-    return true;
-  }
-
-  bool pop(unsigned /*worker*/, T& task) {
-    calls_.fetch_add(1, std::memory_order_relaxed);
-    bool locked = false;
-    for (unsigned tries = 0; !locked && tries < 5; ++tries) locked = mutex_.try_lock();
-    const bool found = !tasks_.empty();
-    if (found) {
-      task = tasks_.back();
-      tasks_.pop_back();
-    }
-    if (locked) mutex_.unlock();
-    return found;
-  }
-
- private:
-  std::atomic<unsigned> calls_{0};
-  std::mutex mutex_;
-  std::vector<T> tasks_;
+class GivesUpMutexBug : public LibraryLocked<T, std::mutex, 5> {
+  using LibraryLocked<T, std::mutex, 5>::LibraryLocked;
 };
 
 /// A pop that finds nothing looks at the clock for an hour.
 template <class T>
-class WaitsByTheClock {
+class WaitsByTheClock : public LibraryLocked<T, std::mutex> {
  public:
-  static constexpr std::string_view summary = "a bag under a mutex; empty pops take an hour";
-  static constexpr Claims claims{};
+  using LibraryLocked<T, std::mutex>::LibraryLocked;
 
-  WaitsByTheClock(unsigned /*workers*/, std::size_t /*capacity*/) {}
-
-  bool push(unsigned /*worker*/, T task) {
-    const std::lock_guard lock(mutex_);
-    tasks_.push_back(task);
-    return true;
-  }
-
-  bool pop(unsigned /*worker*/, T& task) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!tasks_.empty()) {
-        task = tasks_.back();
-        tasks_.pop_back();
-        return true;
-      }
-    }
+  bool pop(unsigned worker, T& task) {
+    if (LibraryLocked<T, std::mutex>::pop(worker, task)) return true;
     const auto end = std::chrono::steady_clock::now() + std::chrono::hours(1);
     while (std::chrono::steady_clock::now() < end) {
     }
     return false;
   }
-
- private:
-  std::mutex mutex_;
-  std::vector<T> tasks_;
 };
 
 }  // namespace irt
