@@ -438,16 +438,20 @@ std::uint64_t Execution::tick() {
   return static_cast<std::uint64_t>(before) + 1;
 }
 
-std::int64_t Execution::now() {
-  ++beats_;
+// Code may look there for as long as it likes, and nothing else would ask for the time.
+void Execution::note_look_outside() {
+  note_unwatched();
   if (observed()) check_time();
+}
+
+std::int64_t Execution::now() {
+  note_look_outside();
   return phase_ != Phase::idle ? ++me().clock_reads * 1000 : 0;
 }
 
 std::uint64_t Execution::random() {
   // For each thread from another place on, and the same in every execution.
-  ++beats_;
-  if (observed()) check_time();
+  note_look_outside();
   return SplitMix::at((std::uint64_t{cores_.current()} << 32U) + ++me().draws);
 }
 

@@ -7,9 +7,10 @@
 
 namespace irt::checker {
 
-Child::Child(const std::function<void(int line)>& work) try : irt
-  ::Child(work) {}
-catch (const std::runtime_error& error) {
+using Process = irt::Child;
+
+Child::Child(const std::function<void(int line)>& work) try : Process(work) {
+} catch (const std::runtime_error& error) {
   throw std::runtime_error(std::string("cannot divide the work: ") + error.what() +
                            "; --jobs 1 needs no other process");
 }

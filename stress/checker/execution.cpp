@@ -262,7 +262,7 @@ Outcome Execution::after_threads() {
       if (events.empty()) continue;
       const Event& last = graph_.event(events.back());
       if (last.blocked && !is_newest(source_of(last.from))) return Outcome::blocked;
-    } else if (!sees_newest(state)) {
+    } else if (!sees_newest(thread)) {
       return Outcome::blocked;
     }
   }

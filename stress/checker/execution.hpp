@@ -284,6 +284,7 @@ class Execution final : public virtual_cores::Tenant {
   void stop_in_time();
   void begin_aged();
   void note_unwatched();
+  void note_look_outside();
   void* allocate_unwatched(std::size_t size, std::size_t alignment, const void* pc);
   void run_main(const std::function<void()>& work);
   [[noreturn]] void stop(Outcome outcome);
@@ -317,7 +318,7 @@ class Execution final : public virtual_cores::Tenant {
   void check_walk(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                   const void* pc);
   void conclude_alone(bool endless, const void* pc);
-  [[nodiscard]] bool sees_newest(const ThreadState& state) const;
+  [[nodiscard]] bool sees_newest(unsigned thread) const;
   void check_news(const void* pc);
   void note_news(EventId from);
   [[nodiscard]] std::string stalled() const;

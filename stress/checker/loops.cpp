@@ -83,7 +83,7 @@ void Execution::check_loop(const void* pc) {
   }
   if (settled) return;
   state.round_began = round_began;
-  if (strategy_->resumes_waiting() && !sees_newest(state) && !visit->refreshed) {
+  if (strategy_->resumes_waiting() && !sees_newest(cores_.current()) && !visit->refreshed) {
     visit->refreshed = true;
     state.fresh_reads = state.reads - state.round_began + 1;
     return;
@@ -113,8 +113,8 @@ bool Execution::is_newest(EventId store) const {
 // What a loop read before its last round no longer matters to it: only what the round itself read
 // can let it go on. One load may have been made at many places in it, so its reads are asked, not
 // the loads.
-bool Execution::sees_newest(const ThreadState& state) const {
-  const auto thread = static_cast<unsigned>(&state - states_.data());
+bool Execution::sees_newest(unsigned thread) const {
+  const ThreadState& state = states_[thread];
   const auto& events = graph_.thread(thread).events;
   auto left = state.reads >= state.round_began ? state.reads - state.round_began + 1 : 0;
   for (auto id = events.rbegin(); left != 0 && id != events.rend(); ++id) {
