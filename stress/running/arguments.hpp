@@ -8,8 +8,8 @@
 
 namespace irt {
 
-/// Refuses values of nothing, as `--scene ''` or the last of `--queue lock,`, for every option that
-/// `command` and its subcommands have by now.
+/// Refuses values of nothing, as `--scene ''`, for every option that `command` and its subcommands
+/// have by now. CLI11 itself leaves nothings in a list out, as the last of `--queue lock,`.
 inline void refuse_empty(CLI::App& command) {
   const CLI::Validator something(
       [](const std::string& value) {

@@ -38,7 +38,8 @@ namespace {
 Child::Child(const std::function<void(int line)>& work) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    throw std::runtime_error("no line to a child process: out of files");
+    throw std::runtime_error(
+        "no line to a child process: out of files; raise the limit that ulimit -n shows");
   }
   std::fflush(nullptr);  // or the copy would write what waits there once more
   const pid_t self = getpid();
@@ -51,7 +52,9 @@ Child::Child(const std::function<void(int line)>& work) {
   line_ = ends[0];
   if (process_ > 0) return;
   close(line_);
-  throw std::runtime_error("no child process: the system refuses to fork");
+  throw std::runtime_error(
+      "no child process: the system refuses to fork; end others, or raise the limit that ulimit -u "
+      "shows");
 }
 
 Child::Child(Child&& other) noexcept

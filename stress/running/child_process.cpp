@@ -44,7 +44,10 @@ std::string last_line(const std::string& text) {
 }  // namespace
 
 ChildProcess::File::File() : descriptor(memfd_create("irt-child", MFD_CLOEXEC)) {
-  if (descriptor < 0) throw std::runtime_error("no file for a child process: out of files");
+  if (descriptor < 0)
+    throw std::runtime_error(
+        "no file for a child process: out of files; raise the limit that "
+        "ulimit -n shows");
 }
 
 ChildProcess::File::~File() {

@@ -10,12 +10,8 @@ namespace irt {
 int run_program(std::string_view name, const std::function<int()>& work, std::string_view smaller) {
   try {
     return work();
-  } catch (const std::bad_alloc& error) {
-    if (smaller.empty()) {
-      fmt::print(stderr, "{}: {}\n", name, error.what());
-    } else {
-      fmt::print(stderr, "{}: out of memory; use {}\n", name, smaller);
-    }
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "{}: out of memory{}{}\n", name, smaller.empty() ? "" : "; use ", smaller);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", name, error.what());
   }
