@@ -76,15 +76,6 @@ TEST(Tool, FiguresOnStandardOutputAreAlone) {
   EXPECT_EQ(nlohmann::json::parse(compare.out(), nullptr, false).size(), 1u) << compare.out();
 }
 
-TEST(Tool, ASmallSceneTakesTheSecondsItIsGiven) {
-  const TemporaryDirectory directory;
-  const auto begin = std::chrono::steady_clock::now();
-  Tool tool({"compare", "--scene", "office", "--size", "16x16", "--queue", "lock", "--threads", "1",
-             "--repetitions", "2", "--seconds", "8", "--out", directory / "out"});
-  EXPECT_EQ(tool.wait(), 0) << tool.err();
-  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
-}
-
 TEST(Tool, BadInputIsOneLineAndExitCodeTwo) {
   expect_one_line({"render", "--queue", "lokc"}, "lock");
   expect_one_line({"render", "--bvh", "goncalvez"}, "goncalves");
