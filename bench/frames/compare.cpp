@@ -250,17 +250,15 @@ class Comparison {
     const Ending ending = in_child(a_day, cancel_, [&] {
       const Sample first = take_sample(workload, queue, {.threads = threads, .warmup = 0}, cancel_);
       if (keep_picture) write_png(options_.out / "frame.png", workload.application().image());
-      return nlohmann::json(
-                 FirstFrame{.seconds = first.seconds.at(0),
-                            .later = later_frames(
-                                workload,
-                                first.seconds.at(0) * std::min<double>(threads, settle_threads(0))),
-                            .reference = {.image_hash = first.image_hash,
-                                          .triangles = workload.scene().mesh.triangles.size(),
-                                          .traverse_share =
-                                              traverse_share(workload, queue, threads, cancel_)
-                                                  .value_or(0)}})
-          .dump();
+      const double work = first.seconds.at(0) * std::min<double>(threads, settle_threads(0));
+      const FirstFrame answer{
+          .seconds = first.seconds.at(0),
+          .later = later_frames(workload, work),
+          .reference = {
+              .image_hash = first.image_hash,
+              .triangles = workload.scene().mesh.triangles.size(),
+              .traverse_share = traverse_share(workload, queue, threads, cancel_).value_or(0)}};
+      return nlohmann::json(answer).dump();
     });
     if (cancel_) return std::nullopt;
     if (ending.status != "ok") {
@@ -334,12 +332,10 @@ class Comparison {
   Sample sample_of(const Row& row) {
     const double expected = work_[row.workload] * (plan_.warmup + plan_.frames);
     const Ending ending = in_child(options_.patience + 10 * expected, cancel_, [&] {
-      return nlohmann::json(
-                 take_sample(
-                     *workloads_[row.workload], queue_of(row),
-                     {.threads = row.threads, .warmup = plan_.warmup, .frames = plan_.frames},
-                     cancel_))
-          .dump();
+      const Sample answer = take_sample(
+          *workloads_[row.workload], queue_of(row),
+          {.threads = row.threads, .warmup = plan_.warmup, .frames = plan_.frames}, cancel_);
+      return nlohmann::json(answer).dump();
     });
     Sample sample;
     if (ending.status == "ok") nlohmann::json::parse(ending.answer).get_to(sample);
