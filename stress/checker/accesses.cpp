@@ -329,19 +329,31 @@ bool Execution::chosen(const void* pc) {
 
 // --- Waiting --------------------------------------------------------------------------------
 
-void Execution::lock(std::uintptr_t address, const void* pc) {
-  if (!observed()) return Tenant::lock(address, pc);
+// Who insists on what a loop reads until it gives up sees no wait of it end.
+bool Execution::times_out(const void* pc) {
+  return me().insists != nullptr || chosen(pc);
+}
+
+bool Execution::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) {
+  if (!observed()) return Tenant::lock(address, nanoseconds, pc);
+  const bool timed = nanoseconds >= 0;
+  if (timed || alone()) {
+    if (try_lock(address, pc)) return true;
+    if (timed && (alone() || times_out(pc))) return false;
+  }
   if (alone()) {
-    if (try_lock(address, pc)) return;
     if (phase_ == Phase::endless) conclude_alone(true, pc);
     report(FindingKind::deadlock, "the only thread waits at {0} for a lock that nobody releases",
            {pc});
   }
+  me().timed = timed;
   reach(address, true);
   read_event(
       {address, 4, pc, Order::acquire, Order::relaxed}, true,
       [](Value value) { return value == 0 ? Meaning::modify : Meaning::wait; },
       [](Value) { return Value{1}; });
+  me().timed = false;
+  return true;
 }
 
 bool Execution::try_lock(std::uintptr_t address, const void* pc) {
@@ -362,6 +374,17 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
     report(FindingKind::deadlock, "the only thread sleeps at {0} and nobody is left to wake it",
            {pc});
   }
+  const bool timed = nanoseconds >= 0;
+  const auto look = [&] {
+    reach(address, false);
+    return read_event(
+        {address, 4, pc, Order::acquire, Order::acquire}, false,
+        [](Value) { return Meaning::load; }, [](Value v) { return v; });
+  };
+  if (timed && times_out(pc)) {  // who is not woken in time leaves nothing behind
+    fence(Order::seq_cst, pc);
+    return look() == expected ? Wake::timed_out : Wake::value_differs;
+  }
   const unsigned thread = cores_.current();
   const std::uintptr_t sleepers = sleepers_of(address);
   const Request request{sleepers, 16, pc, Order::acq_rel, Order::acquire};
@@ -377,18 +400,13 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
       request, true, [](Value) { return Meaning::modify; },
       [thread](Value value) { return with_sleeper(value, thread); });
   fence(Order::seq_cst, pc);  // as the kernel, and as wake() on the other side
-  reach(address, false);
-  const Value seen = read_event(
-      {address, 4, pc, Order::acquire, Order::acquire}, false, [](Value) { return Meaning::load; },
-      [](Value v) { return v; });
-  if (seen != expected) {
+  if (look() != expected) {
     leave();
     return Wake::value_differs;
   }
-  const bool timed = nanoseconds >= 0;
-  if ((timed || limits_.spurious_wakeups) && other_choice(2, pc) != 0) {
+  if (limits_.spurious_wakeups && other_choice(2, pc) != 0) {
     leave();
-    return timed ? Wake::timed_out : Wake::woken;
+    return Wake::woken;
   }
   me().timed = timed;
   me().wait_sleeps = true;

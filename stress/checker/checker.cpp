@@ -77,9 +77,12 @@ std::optional<bool> repeats(const Scenario& scenario, const Options& options, De
   return true;
 }
 
-constexpr const char* executions_differ =
-    "executions differ where all choices are the same: the code depends on chance, time or a state "
-    "that the checker does not give it";
+void call_different(Result& result) {
+  result.differs = true;
+  result.incomplete =
+      "executions differ where all choices are the same: the code depends on chance, time or a "
+      "state that the checker does not give it";
+}
 
 /// Whether what else is asked for allows to exchange equal threads: whether an allocation fails, or
 /// gets old memory, does not depend on its thread alone, and neither does what is read in a race;
@@ -153,7 +156,7 @@ class Exploration {
     note_limits();
     if (execution_.out_of_time()) return false;
     if (strategy_->differs()) {
-      result_.incomplete = executions_differ;
+      call_different(result_);
       return false;
     }
     if (!strategy_->counted_elsewhere()) {
@@ -219,7 +222,7 @@ Result check(const Scenario& scenario, const Options& options) {
   Result result;
   if (systematic) {
     const auto same = repeats(scenario, options, deadline, result);
-    if (same && !*same) result.incomplete = executions_differ;
+    if (same && !*same) call_different(result);
     if (!same || !*same) return result;
   }
   {
@@ -233,12 +236,16 @@ Result check(const Scenario& scenario, const Options& options) {
     result.allocates = execution.allocates();
   }
   if (scenario.histories) result.histories = scenario.histories();
-  if (result.finding && repeat(scenario, options, result.schedule) == nullptr &&
-      repeats(scenario, options, {}, result) == false) {
-    result.finding.reset();
-    result.incomplete = executions_differ;
-  }
+  confirm(scenario, options, result);
   return result;
+}
+
+void confirm(const Scenario& scenario, const Options& options, Result& result) {
+  if (!result.finding) return;
+  const auto again = repeat(scenario, options, result.schedule);
+  if (again != nullptr && again->finding()->kind == result.finding->kind) return;
+  result.finding.reset();
+  call_different(result);
 }
 
 std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& options,

@@ -84,6 +84,9 @@ struct Result {
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds
   /// A limit that was reached, for which the search shows less than everything; else empty.
   std::string incomplete{};
+  /// Executions differ where all choices are the same, so that nothing is known of the code: nothing
+  /// is proved, and nobody is accused.
+  bool differs = false;
   /// The place in the code that it speaks of, or the call in which time ran out; null if none.
   const void* incomplete_at = nullptr;
   std::string time_went{};  ///< into the call that computes here, if it was that: "queue.hpp:12"
@@ -96,6 +99,9 @@ struct Result {
 };
 
 Result check(const Scenario& scenario, const Options& options);
+
+/// Takes back the finding of `result` if it does not come again when it is repeated.
+void confirm(const Scenario& scenario, const Options& options, Result& result);
 
 /// Repeats the execution that found something; null if it does not come out as before. The caller
 /// may look at it until the next one.

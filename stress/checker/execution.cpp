@@ -10,6 +10,9 @@ using virtual_cores::host;
 
 namespace {
 
+// What Linux gives one.
+constexpr std::size_t stack_of_a_thread = std::size_t{8} << 20U;
+
 // `work` must live as long as the core runs.
 void arm(virtual_cores::Cores& cores, unsigned core, const std::function<void()>& work) {
   const auto enter = [](void* w) { (*static_cast<const std::function<void()>*>(w))(); };
@@ -24,7 +27,7 @@ Execution::Execution(const Scenario& scenario, const Limits& limits)
     : scenario_(scenario),
       limits_(limits),
       main_(static_cast<unsigned>(scenario.threads.size())),
-      cores_(*this, main_ + 1),
+      cores_(*this, main_ + 1, stack_of_a_thread),
       graph_(main_ + 1),
       heap_(main_ + 1),
       states_(main_ + 1),

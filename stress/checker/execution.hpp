@@ -195,7 +195,7 @@ class Execution final : public virtual_cores::Tenant {
   void* allocate(std::size_t size, std::size_t alignment, const void* pc) override;
   void release(void* block, const void* pc) override;
   std::size_t block_size(void* block) override;
-  void lock(std::uintptr_t address, const void* pc) override;
+  bool lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) override;
   bool try_lock(std::uintptr_t address, const void* pc) override;
   void unlock(std::uintptr_t address, const void* pc) override;
   virtual_cores::Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
@@ -326,6 +326,7 @@ class Execution final : public virtual_cores::Tenant {
   void explain_standstill();
   unsigned other_choice(unsigned count, const void* pc);
   bool chosen(const void* pc);
+  bool times_out(const void* pc);
   void record(const Event& event, std::size_t choice);
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ > Phase::ageing; }

@@ -37,12 +37,14 @@ std::uint32_t Graph::add_location(std::uintptr_t address, std::uint32_t size, Va
   location.address = address;
   location.size = size;
   location.reads.clear();
+  location.readers = 0;
   location.stores.assign(1, add_initial(id, initial));
   return id;
 }
 
 void Graph::reset_location(std::uint32_t id, Value initial) {
   locations_[id].reads.clear();
+  locations_[id].readers = 0;
   locations_[id].stores.assign(1, add_initial(id, initial));
 }
 
@@ -76,8 +78,16 @@ std::size_t Graph::lowest_readable(unsigned thread, std::uint32_t id) const {
   std::size_t lowest = location.stores.size() - 1;
   while (lowest > 0 && !happens_before(events_[location.stores[lowest]], now)) --lowest;
   if (lowest + 1 == location.stores.size()) return lowest;
-  for (const EventId read : location.reads)
-    if (happens_before(events_[read], now)) lowest = std::max(lowest, place_of(events_[read].from));
+  // What a thread read last, of all that happens before, is no older than what it read before that.
+  std::uint32_t left = location.readers;
+  for (auto read = location.reads.rbegin(); left != 0 && read != location.reads.rend(); ++read) {
+    const Event& event = events_[*read];
+    const std::uint32_t reader = 1U << event.thread;
+    if ((left & reader) == 0 || !happens_before(event, now)) continue;
+    left &= ~reader;
+    lowest = std::max(lowest, place_of(event.from));
+    if (lowest + 1 == location.stores.size()) break;
+  }
   return lowest;
 }
 
@@ -148,6 +158,7 @@ void Graph::finish_load(Event& event, std::uint32_t id, std::size_t place) {
   event.location = id;
   read_from(event, events_[locations_[id].stores[place]]);
   locations_[id].reads.push_back(static_cast<EventId>(count_));
+  locations_[id].readers |= 1U << event.thread;
   complete(event);
 }
 
@@ -171,6 +182,7 @@ void Graph::finish_modify(Event& event, std::uint32_t id, std::size_t place, Val
   stores.insert(stores.begin() + static_cast<std::ptrdiff_t>(place) + 1,
                 static_cast<EventId>(count_));
   locations_[id].reads.push_back(static_cast<EventId>(count_));
+  locations_[id].readers |= 1U << event.thread;
   complete(event);
 }
 

@@ -83,6 +83,7 @@ struct Location {
   std::uint32_t size = 0;
   std::vector<EventId> stores;  ///< the first is the initial one
   std::vector<EventId> reads;   ///< loads and modifications, in order of execution
+  std::uint32_t readers = 0;    ///< a bit for each thread that has some
 };
 
 /// What a thread carries besides its program: see [atomics.fences].

@@ -206,6 +206,7 @@ class Parts {
         sum.incomplete = part.incomplete;
         sum.incomplete_at = part.incomplete_at;
       }
+      sum.differs = sum.differs || part.differs;
       sum.executions += part.executions;
       sum.complete += part.complete;
       sum.blocked += part.blocked;
@@ -267,6 +268,7 @@ Result check_in_parts(const Scenario& scenario, const Options& options, unsigned
     uneven = std::move(result.uneven);
   }
   result.uneven = std::move(uneven);
+  confirm(scenario, options, result);
   return result;
 }
 

@@ -367,6 +367,8 @@ class QueueCheck {
   }
 
   void add(ShapeResult shape) {
+    if (shape.result.differs && !all_.differs) withhold_findings();
+    if (all_.differs) withhold(shape);
     shape.unproved = all_.unproved;
     shape.proved = shape.result.finished && !shape.result.finding && searched_whole(shape) &&
                    shape.unproved.empty();
@@ -375,6 +377,24 @@ class QueueCheck {
     if (!settings_.quiet && listed) say(shape);
     all_.found = all_.found || shape.result.finding;
     all_.shapes.push_back(std::move(shape));
+  }
+
+  // Where executions differ, what one of them finds may come from what the others left behind.
+  void withhold_findings() {
+    all_.differs = true;
+    if (all_.unproved.empty()) all_.unproved = "executions differ where all choices are the same";
+    for (ShapeResult& shape : all_.shapes) withhold(shape);
+    all_.found = false;
+  }
+
+  static void withhold(ShapeResult& shape) {
+    shape.proved = false;
+    if (!shape.result.finding) return;
+    shape.result.incomplete =
+        fmt::format("executions differ, by which the {} that was seen may have come about",
+                    checker::name_of(shape.result.finding->kind));
+    shape.result.finding.reset();
+    shape.report.clear();
   }
 
   void say_sum(Origin origin) const {

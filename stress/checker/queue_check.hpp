@@ -50,6 +50,8 @@ struct QueueResult {
   std::vector<std::string> unseen;               ///< calls into code that the checker does not see
   std::vector<std::string> unseen_instructions;  ///< see Symbols; left empty without `reports`
   std::string unproved;                          ///< see ShapeResult
+  /// Executions differ somewhere, see Result: what was found is withheld.
+  bool differs = false;
   std::string refused;  ///< why the queue cannot be checked; empty if it was
   bool found = false;
   unsigned all_clients = 0;   ///< see CheckSettings

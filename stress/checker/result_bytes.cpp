@@ -29,6 +29,7 @@ std::string to_bytes(const Result& r) {
   w.put_all(r.order_sites);
   w.put_all(r.histories);
   w.put_all(r.incomplete);
+  w.put(r.differs);
   w.put(r.incomplete_at);
   w.put_all(r.time_went);
   for (const std::uint64_t count : {r.executions, r.complete, r.blocked, r.cut}) w.put(count);
@@ -65,6 +66,7 @@ Result from_bytes(const std::string& bytes) {
   r.order_sites = in.take_all<std::vector<OrderSite>>();
   r.histories = in.take_all<std::vector<std::uint64_t>>();
   r.incomplete = in.take_all<std::string>();
+  r.differs = in.take<bool>();
   r.incomplete_at = in.take<const void*>();
   r.time_went = in.take_all<std::string>();
   for (std::uint64_t* count : {&r.executions, &r.complete, &r.blocked, &r.cut})

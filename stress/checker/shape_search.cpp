@@ -105,6 +105,7 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
     result.cut += before.cut;
     result.seconds += before.seconds;
     result.allocates = result.allocates || before.allocates;
+    result.differs = result.differs || before.differs;
     if (result.incomplete.empty()) result.incomplete = before.incomplete;
     shape.histories = std::max(shape.histories, result.histories.size());
     if (!result.finding) return;

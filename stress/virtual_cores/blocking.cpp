@@ -1,17 +1,16 @@
-// Mutexes, condition variables, semaphores, rw locks, barriers, once-flags and futexes of
-// instrumented code, in terms of the tenant's lock, wait and wake.
+// Mutexes, condition variables, semaphores, rw locks, barriers and once-flags of instrumented code,
+// POSIX's and C11's, in terms of the tenant's lock, wait and wake.
 //
 // The objects keep the C library's size and its static initialisers (zero but for a mutex's kind).
 
 #include <cerrno>
 #include <climits>
-#include <cstdarg>
 #include <cstring>
 #include <ctime>
-#include <linux/futex.h>
 #include <mutex>
+#include <optional>
 #include <semaphore.h>
-#include <sys/syscall.h>
+#include <threads.h>
 
 #include "stress/virtual_cores/internal.hpp"
 
@@ -21,11 +20,12 @@ using irt::virtual_cores::active;
 using irt::virtual_cores::address_of;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::ask;
-using irt::virtual_cores::core_errno;
 using irt::virtual_cores::current_core;
-using irt::virtual_cores::fill_randomly;
+using irt::virtual_cores::forever;
 using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;
+using irt::virtual_cores::set_errno;
+using irt::virtual_cores::until;
 using irt::virtual_cores::Value;
 using irt::virtual_cores::Wake;
 
@@ -38,7 +38,6 @@ irt::virtual_cores::Tenant& tenant() {
   return *active;
 }
 
-constexpr std::int64_t forever = -1;
 constexpr unsigned everybody = INT_MAX;
 
 std::uint32_t load(const std::uint32_t& word, const void* pc) {
@@ -64,13 +63,6 @@ void clear(T& object, const void* pc) {
   std::memset(&object, 0, sizeof object);
 }
 
-// How long until `deadline`; never negative, for that means forever.
-std::int64_t until(const timespec* deadline) {
-  const std::int64_t left =
-      deadline->tv_sec * std::int64_t{1'000'000'000} + deadline->tv_nsec - tenant().now();
-  return left < 0 ? 0 : left;
-}
-
 // pthread_mutex_t: the kind is where glibc keeps it, the owner is only used by recursive mutexes.
 struct Mutex {
   std::uint32_t word;
@@ -88,12 +80,12 @@ Mutex& mutex_of(pthread_mutex_t* mutex, const void* pc) {
   return *reinterpret_cast<Mutex*>(mutex);
 }
 
-int lock(Mutex& mutex, const void* pc) {
+int lock(Mutex& mutex, std::int64_t nanoseconds, const void* pc) {
   if (mutex.recursive() && mutex.owner == current_core + 1) {
     ++mutex.depth;
     return 0;
   }
-  tenant().lock(mutex.address(), pc);
+  if (!tenant().lock(mutex.address(), nanoseconds, pc)) return ETIMEDOUT;
   mutex.owner = current_core + 1;
   return 0;
 }
@@ -132,7 +124,7 @@ int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanosec
   const std::uint32_t seen = load(sequence, pc);
   unlock(mutex, pc);
   const Wake wake = tenant().wait(address_of(&sequence), seen, nanoseconds, pc);
-  lock(mutex, pc);
+  lock(mutex, forever, pc);
   return wake == Wake::timed_out ? ETIMEDOUT : 0;
 }
 
@@ -155,10 +147,31 @@ std::uint32_t& count_of(sem_t* semaphore, const void* pc) {
   return *reinterpret_cast<std::uint32_t*>(semaphore);
 }
 
-bool take(std::uint32_t& count, const void* pc) {
+// Each of these takes what `word` stands for, or returns what it holds instead.
+using Held = std::optional<std::uint32_t>;
+Held take_one(std::uint32_t& count, const void* pc) {
   for (std::uint32_t seen = load(count, pc); seen != 0; seen = load(count, pc))
-    if (swap_if(count, seen, seen - 1, pc)) return true;
-  return false;
+    if (swap_if(count, seen, seen - 1, pc)) return {};
+  return 0;
+}
+Held take_to_read(std::uint32_t& word, const void* pc) {
+  for (std::uint32_t seen = load(word, pc); seen != writer; seen = load(word, pc))
+    if (swap_if(word, seen, seen + 1, pc)) return {};
+  return writer;
+}
+Held take_to_write(std::uint32_t& word, const void* pc) {
+  while (!swap_if(word, 0, writer, pc))
+    if (const std::uint32_t seen = load(word, pc); seen != 0) return seen;
+  return {};
+}
+
+// Sleeps at `word` until it is taken, or until the deadline if there is one.
+int take_in_time(std::uint32_t& word, Held (*take)(std::uint32_t&, const void*),
+                 const timespec* deadline, const void* pc) {
+  while (const Held held = take(word, pc))
+    if (tenant().wait(address_of(&word), *held, until(deadline), pc) == Wake::timed_out)
+      return ETIMEDOUT;
+  return 0;
 }
 
 // pthread_barrier_t: who is missing, the round, how many it takes.
@@ -192,7 +205,14 @@ IRT_REDIRECTED int irt_vc_pthread_mutex_destroy(pthread_mutex_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_lock(pthread_mutex_t* m) {
-  return lock(mutex_of(m, IRT_PC), IRT_PC);
+  return lock(mutex_of(m, IRT_PC), forever, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_mutex_timedlock(pthread_mutex_t* m, const timespec* deadline) {
+  return lock(mutex_of(m, IRT_PC), until(deadline), IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_mutex_clocklock(pthread_mutex_t* m, clockid_t,
+                                                  const timespec* deadline) {
+  return lock(mutex_of(m, IRT_PC), until(deadline), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_trylock(pthread_mutex_t* m) {
   return try_lock(mutex_of(m, IRT_PC), IRT_PC);
@@ -209,7 +229,7 @@ IRT_REDIRECTED int irt_vc_pthread_spin_destroy(pthread_spinlock_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_lock(pthread_spinlock_t* s) {
-  tenant().lock(address_of(s), IRT_PC);
+  tenant().lock(address_of(s), forever, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_trylock(pthread_spinlock_t* s) {
@@ -278,13 +298,22 @@ IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_wait(sem_t* s) {
-  while (!take(count_of(s, IRT_PC), IRT_PC)) tenant().wait(address_of(s), 0, forever, IRT_PC);
-  return 0;
+  return take_in_time(count_of(s, IRT_PC), take_one, nullptr, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_sem_timedwait(sem_t* s, const timespec* deadline) {
+  return set_errno(take_in_time(count_of(s, IRT_PC), take_one, deadline, IRT_PC));
+}
+IRT_REDIRECTED int irt_vc_sem_clockwait(sem_t* s, clockid_t, const timespec* deadline) {
+  return set_errno(take_in_time(count_of(s, IRT_PC), take_one, deadline, IRT_PC));
 }
 IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
-  if (take(count_of(s, IRT_PC), IRT_PC)) return 0;
-  core_errno() = EAGAIN;
-  return -1;
+  return set_errno(take_one(count_of(s, IRT_PC), IRT_PC) ? EAGAIN : 0);
+}
+IRT_REDIRECTED int irt_vc_sem_getvalue(sem_t* s, int* value) {
+  const std::uint32_t count = load(count_of(s, IRT_PC), IRT_PC);
+  announce_write(value, sizeof *value, IRT_PC);
+  *value = static_cast<int>(count);
+  return 0;
 }
 
 IRT_REDIRECTED int irt_vc_pthread_rwlock_init(pthread_rwlock_t* l, const pthread_rwlockattr_t*) {
@@ -295,25 +324,32 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t*) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_tryrdlock(pthread_rwlock_t* l) {
-  for (std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC); seen != writer;
-       seen = load(word_of(l, IRT_PC), IRT_PC))
-    if (swap_if(word_of(l, IRT_PC), seen, seen + 1, IRT_PC)) return 0;
-  return EBUSY;
+  return take_to_read(word_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_rdlock(pthread_rwlock_t* l) {
-  while (irt_vc_pthread_rwlock_tryrdlock(l) != 0)
-    tenant().wait(address_of(l), writer, forever, IRT_PC);
-  return 0;
+  return take_in_time(word_of(l, IRT_PC), take_to_read, nullptr, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_timedrdlock(pthread_rwlock_t* l,
+                                                     const timespec* deadline) {
+  return take_in_time(word_of(l, IRT_PC), take_to_read, deadline, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_clockrdlock(pthread_rwlock_t* l, clockid_t,
+                                                     const timespec* deadline) {
+  return take_in_time(word_of(l, IRT_PC), take_to_read, deadline, IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_trywrlock(pthread_rwlock_t* l) {
-  return swap_if(word_of(l, IRT_PC), 0, writer, IRT_PC) ? 0 : EBUSY;
+  return take_to_write(word_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_wrlock(pthread_rwlock_t* l) {
-  while (!swap_if(word_of(l, IRT_PC), 0, writer, IRT_PC)) {
-    const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
-    if (seen != 0) tenant().wait(address_of(l), seen, forever, IRT_PC);
-  }
-  return 0;
+  return take_in_time(word_of(l, IRT_PC), take_to_write, nullptr, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_timedwrlock(pthread_rwlock_t* l,
+                                                     const timespec* deadline) {
+  return take_in_time(word_of(l, IRT_PC), take_to_write, deadline, IRT_PC);
+}
+IRT_REDIRECTED int irt_vc_pthread_rwlock_clockwrlock(pthread_rwlock_t* l, clockid_t,
+                                                     const timespec* deadline) {
+  return take_in_time(word_of(l, IRT_PC), take_to_write, deadline, IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
   const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
@@ -352,7 +388,7 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
 // --- Once ------------------------------------------------------------------------------------
 
 IRT_REDIRECTED int irt_vc___cxa_guard_acquire(Guard* guard) {
-  tenant().lock(address_of(&guard->lock), IRT_PC);
+  tenant().lock(address_of(&guard->lock), forever, IRT_PC);
   if (tenant().load({address_of(&guard->made), 1, Order::acquire, IRT_PC}) == 0) return 1;
   tenant().unlock(address_of(&guard->lock), IRT_PC);
   return 0;
@@ -386,44 +422,46 @@ IRT_REDIRECTED int irt_vc_pthread_once(pthread_once_t* once, void (*function)())
   return 0;
 }
 
-// --- Futex -----------------------------------------------------------------------------------
+// --- C11: the same objects, other answers ------------------------------------------------------
 
-IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
-  std::va_list arguments;
-  va_start(arguments, number);
-  const auto address = va_arg(arguments, std::uintptr_t);
-  const auto second = va_arg(arguments, std::uint64_t);
-  const int operation = static_cast<int>(second) & FUTEX_CMD_MASK;
-  const auto value = va_arg(arguments, std::uint32_t);
-  const auto* time = va_arg(arguments, const timespec*);
-  va_end(arguments);
-  if (number == SYS_gettid) return current_core + 1L;
-  if (number == SYS_getrandom) {
-    auto* bytes = reinterpret_cast<unsigned char*>(address);  // NOLINT: as the kernel is given it
-    const auto size = static_cast<std::size_t>(second);
-    fill_randomly(bytes, size, IRT_PC);
-    return static_cast<long>(size);
-  }
-  if (number == SYS_futex && (operation == FUTEX_WAKE || operation == FUTEX_WAKE_BITSET))
-    return tenant().wake(address, value, IRT_PC);
-  if (number == SYS_futex && (operation == FUTEX_WAIT || operation == FUTEX_WAIT_BITSET)) {
-    std::int64_t nanoseconds = forever;
-    if (time != nullptr)  // relative for FUTEX_WAIT, a deadline for FUTEX_WAIT_BITSET
-      nanoseconds =
-          operation == FUTEX_WAIT ? time->tv_sec * 1'000'000'000 + time->tv_nsec : until(time);
-    switch (tenant().wait(address, value, nanoseconds, IRT_PC)) {
-      case Wake::woken:
-        return 0;
-      case Wake::value_differs:
-        core_errno() = EAGAIN;
-        return -1;
-      case Wake::timed_out:
-        core_errno() = ETIMEDOUT;
-        return -1;
-    }
-  }
-  irt::virtual_cores::Tenant::refuse("the code makes system call " + std::to_string(number) +
-                                     ", which virtual cores do not support");
+namespace {
+
+int in_c11(int error) {
+  return error == 0 ? thrd_success : error == EBUSY ? thrd_busy : thrd_timedout;
+}
+
+}  // namespace
+
+// What only ever succeeds is the same function.
+#define IRT_C11(name, posix) \
+  asm(".globl irt_vc_" name "\n.set irt_vc_" name ", irt_vc_pthread_" posix)
+IRT_C11("mtx_lock", "mutex_lock");
+IRT_C11("mtx_unlock", "mutex_unlock");
+IRT_C11("mtx_destroy", "mutex_destroy");
+IRT_C11("cnd_signal", "cond_signal");
+IRT_C11("cnd_broadcast", "cond_broadcast");
+IRT_C11("cnd_wait", "cond_wait");
+IRT_C11("cnd_destroy", "cond_destroy");
+IRT_C11("call_once", "once");
+#undef IRT_C11
+IRT_REDIRECTED int irt_vc_mtx_init(pthread_mutex_t* m, int kind) {
+  clear(*m, IRT_PC);
+  if ((kind & mtx_recursive) != 0) mutex_of(m, IRT_PC).kind = PTHREAD_MUTEX_RECURSIVE;
+  return thrd_success;
+}
+IRT_REDIRECTED int irt_vc_mtx_trylock(pthread_mutex_t* m) {
+  return in_c11(try_lock(mutex_of(m, IRT_PC), IRT_PC));
+}
+IRT_REDIRECTED int irt_vc_mtx_timedlock(pthread_mutex_t* m, const timespec* deadline) {
+  return in_c11(lock(mutex_of(m, IRT_PC), until(deadline), IRT_PC));
+}
+IRT_REDIRECTED int irt_vc_cnd_init(pthread_cond_t* c) {
+  clear(*c, IRT_PC);
+  return thrd_success;
+}
+IRT_REDIRECTED int irt_vc_cnd_timedwait(pthread_cond_t* c, pthread_mutex_t* m,
+                                        const timespec* deadline) {
+  return in_c11(condition_wait(c, mutex_of(m, IRT_PC), until(deadline), IRT_PC));
 }
 
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

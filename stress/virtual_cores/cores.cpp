@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <boost/context/detail/fcontext.hpp>
 #include <cstring>
 #include <cxxabi.h>
@@ -26,7 +27,7 @@ Tenant native;
 
 // Stacks lie at an address of their own so that pointers to them are the same in every run.
 constexpr std::uintptr_t stacks_address = 0x100000000000;
-constexpr std::size_t guard_bytes = 4096;
+constexpr std::size_t page_bytes = 4096;
 std::uintptr_t stacks_end = stacks_address;
 
 // Stacks begin at different offsets within a page, or the frames of all cores would compete for the
@@ -61,10 +62,14 @@ unsigned current_core = host;
 struct Cores::State {
   Tenant& tenant;
   std::size_t stack_bytes;
+  // Below each stack, for large local variables to end in.
+  std::size_t guard_bytes = std::max(page_bytes, stack_bytes / 8 / page_bytes * page_bytes);
   std::vector<Fiber> fibers;
   Fiber outside{};
   Fiber* here = &outside;  // in progress
   FaultHandler faults{};
+
+  [[nodiscard]] std::size_t stride() const { return guard_bytes + stack_bytes + colours_bytes; }
 
   void switch_to(unsigned core) {
     Fiber& from = *here;
@@ -115,25 +120,25 @@ bool is_near_a_stack(std::uintptr_t address) {
 }
 
 Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
-    : state_(new State{tenant, stack_bytes, std::vector<Fiber>(count)}) {
+    : state_(new State{
+          .tenant = tenant, .stack_bytes = stack_bytes, .fibers = std::vector<Fiber>(count)}) {
   if (State::running != nullptr)
     throw std::logic_error("virtual cores: one object exists already; destroy it first");
-  const std::size_t bytes = count * (stack_bytes + colours_bytes + guard_bytes);
+  const std::size_t bytes = count * state_->stride();
   void* stacks = mmap(reinterpret_cast<void*>(stacks_address), bytes, PROT_NONE,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED_NOREPLACE, -1, 0);
   if (stacks == MAP_FAILED)
     throw std::runtime_error("virtual cores: no room for " + std::to_string(bytes) +
                              " bytes of stacks: " + std::strerror(errno));
   for (unsigned core = 0; core < count; ++core)
-    mprotect(reinterpret_cast<void*>(stack_of(core) / guard_bytes * guard_bytes),
+    mprotect(reinterpret_cast<void*>(stack_of(core) / page_bytes * page_bytes),
              stack_bytes + colours_bytes, PROT_READ | PROT_WRITE);
   State::running = state_.get();
   stacks_end = stacks_address + bytes;
 }
 
 Cores::~Cores() {
-  munmap(reinterpret_cast<void*>(stacks_address),
-         count() * (state_->stack_bytes + colours_bytes + guard_bytes));
+  munmap(reinterpret_cast<void*>(stacks_address), count() * state_->stride());
   State::running = nullptr;
 }
 
@@ -176,7 +181,7 @@ std::size_t Cores::stack_bytes() const {
   return state_->stack_bytes;
 }
 std::uintptr_t Cores::stack_of(unsigned core) const {
-  return stacks_address + core * (state_->stack_bytes + colours_bytes + guard_bytes) + guard_bytes +
+  return stacks_address + core * state_->stride() + state_->guard_bytes +
          core % colours * colour_bytes;
 }
 

@@ -31,6 +31,7 @@ bool is_in(const std::vector<Range>& ranges, Range bytes) {
 int fault_signal = 0;
 std::uintptr_t fault_address = 0;
 std::uintptr_t fault_pc = 0;
+bool stack_used_up = false;
 
 // Whether `place`, which the code has asked for, is where the fault is. Words of up to 16 bytes are
 // accessed as a whole. The kernel does not say which address it was if there can be no such one.
@@ -70,6 +71,9 @@ alignas(16) std::array<char, 65536> report_stack;
     case SIGTRAP:
       active->failed("a breakpoint", pc);
     default:
+      if (stack_used_up)
+        active->failed("the end of the stack, by a recursion without end or large local variables,",
+                       pc);
       active->failed(fmt::format("an access to memory that is not there ({:#x})", fault_address),
                      pc);
   }
@@ -100,13 +104,17 @@ void on_fault(int signal, siginfo_t* info, void* raw_context) {
                                                             : nullptr;
   // A jump to nowhere has its target for pc.
   const bool jumped = pc == address;
-  if (!is_code_of_a_module(pc) && !jumped && place == nullptr && !is_near_a_stack(address))
-    end_without_verdict(pc);
+  // The code's last call may have met the end of the stack within the runtime.
+  stack_used_up = is_near_a_stack(address);
+  const Place* const caller = stack_used_up ? &asked.last() : place;
+  const bool known_caller =
+      caller != nullptr && is_code_of_a_module(reinterpret_cast<std::uintptr_t>(caller->pc) - 1);
+  if (!is_code_of_a_module(pc) && !jumped && !known_caller) end_without_verdict(pc);
   fault_signal = signal;
   fault_address = address;
-  fault_pc = is_code_of_a_module(pc) || place == nullptr
+  fault_pc = is_code_of_a_module(pc) || !known_caller
                  ? pc
-                 : reinterpret_cast<std::uintptr_t>(place->pc) - 1;
+                 : reinterpret_cast<std::uintptr_t>(caller->pc) - 1;
   call_instead(context, &report_fault);
 }
 

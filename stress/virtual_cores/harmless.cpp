@@ -31,7 +31,7 @@ constexpr std::array exact{
     "_ZNSt6thread6_StateD1Ev"sv, "_ZNSt6thread6_StateD2Ev"sv, "_ZTVNSt6thread6_StateE"sv,
     "_ZNSt6thread4joinEv"sv, "_ZNSt6thread6detachEv"sv, "_ZNSt6thread20hardware_concurrencyEv"sv,
     "sysconf"sv, "get_nprocs"sv, "get_nprocs_conf"sv, "getpid"sv, "getpagesize"sv,
-    "pthread_equal"sv,
+    "pthread_equal"sv, "thrd_equal"sv, "mlock"sv, "mlock2"sv, "munlock"sv, "posix_madvise"sv,
     // Wide arithmetic.
     "__udivti3"sv, "__umodti3"sv, "__divti3"sv, "__modti3"sv, "__multi3"sv, "__popcountdi2"sv,
     "__atomic_is_lock_free"sv};

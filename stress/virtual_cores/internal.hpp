@@ -3,6 +3,7 @@
 
 #include <array>
 #include <csignal>
+#include <ctime>
 #include <ucontext.h>
 
 #include "stress/virtual_cores/virtual_cores.hpp"
@@ -70,6 +71,21 @@ bool is_near_a_stack(std::uintptr_t address);
 
 /// errno of the core in progress (thread_locals.cpp).
 int& core_errno();
+/// What a function returns that says by errno what went wrong: 0 for no error, else -1.
+inline int set_errno(int error) {
+  if (error == 0) return 0;
+  core_errno() = error;
+  return -1;
+}
+
+inline constexpr std::int64_t forever = -1;
+/// Nanoseconds until `deadline`, never negative; `forever` if there is none.
+inline std::int64_t until(const timespec* deadline) {
+  if (deadline == nullptr) return forever;
+  const std::int64_t left =
+      deadline->tv_sec * std::int64_t{1'000'000'000} + deadline->tv_nsec - active->now();
+  return left < 0 ? 0 : left;
+}
 
 /// Says that the next atomic operation is the runtime's own (hooks.cpp).
 void forget_registers();

@@ -3,6 +3,7 @@
 #include <cxxabi.h>
 #include <dlfcn.h>
 #include <elf.h>
+#include <filesystem>
 #include <link.h>
 #include <memory>
 #include <stdexcept>
@@ -89,7 +90,9 @@ struct Module::State {
 Module::Module(const std::string& file) : state_(new State{.file = file}) {
   {
     const Loading loading;
-    state_->handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    // A name without a folder would be looked for elsewhere.
+    const std::string path = std::filesystem::absolute(file);
+    state_->handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     state_->memory = loading.blocks();
   }
   if (state_->handle == nullptr)

@@ -1,6 +1,6 @@
 // The C library as instrumented code sees it: each name of redirected.syms, with `irt_vc_` before
 // it. Memory goes to the tenant's heap, time and chance are the tenant's. What works on bytes is in
-// strings.cpp, what sleeps in blocking.cpp.
+// strings.cpp, what sleeps in blocking.cpp, what is the kernel's in kernel.cpp.
 
 #include <cerrno>
 #include <chrono>
@@ -273,9 +273,19 @@ IRT_REDIRECTED int irt_vc_usleep(useconds_t microseconds) {
   active->sleep(std::int64_t{microseconds} * 1000, IRT_PC);
   return 0;
 }
+IRT_REDIRECTED unsigned irt_vc_sleep(unsigned seconds) {
+  active->sleep(seconds * second, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_thrd_sleep(const timespec* time, timespec*) {
+  active->sleep(nanoseconds_of(*time), IRT_PC);
+  return 0;
+}
+asm(".globl irt_vc_thrd_yield\n.set irt_vc_thrd_yield, irt_vc_sched_yield");
 IRT_REDIRECTED pthread_t irt_vc_pthread_self() {
   return current_core + pthread_t{1};
 }
+asm(".globl irt_vc_thrd_current\n.set irt_vc_thrd_current, irt_vc_pthread_self");
 IRT_REDIRECTED int irt_vc_sched_getcpu() {
   return static_cast<int>(current_core);
 }
@@ -330,19 +340,5 @@ IRT_REDIRECTED long irt_vc_random() {
 }
 IRT_REDIRECTED void irt_vc_srand(unsigned) {}
 IRT_REDIRECTED void irt_vc_srandom(unsigned) {}
-
-// --- Threads of the code's own are not supported; the tenant provides the cores ---------------
-
-IRT_REDIRECTED int irt_vc_pthread_create(pthread_t*, const pthread_attr_t*, void* (*)(void*),
-                                         void*) {
-  irt::virtual_cores::Tenant::refuse(
-      "the code starts a thread of its own, which virtual cores do not support");
-}
-IRT_REDIRECTED void
-irt_vc__ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE(
-    void*, void*, void (*)()) {
-  irt::virtual_cores::Tenant::refuse(
-      "the code starts a thread of its own, which virtual cores do not support");
-}
 
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
 #include <sys/time.h>
 #include <ucontext.h>
-#include <vector>
 
 #include "stress/virtual_cores/internal.hpp"
 #include "stress/virtual_cores/pure.hpp"
@@ -58,19 +58,20 @@ bool is_neutral(std::uintptr_t entry) {
 /// All that computing code can tell two moments by.
 class State {
  public:
-  explicit State(std::size_t stack_bytes) : stack_(stack_bytes + red_zone) {}
+  explicit State(std::size_t stack_bytes)
+      : stack_(std::make_unique_for_overwrite<char[]>(stack_bytes + red_zone)) {}
 
   void take(const ucontext_t& context, std::uintptr_t stack_end) {
     registers_ = registers_of(context);
     std::memcpy(vectors_.data(), context.uc_mcontext.fpregs, vector_bytes);
     const char* top = top_of(context);
-    std::memcpy(stack_.data(), top, reinterpret_cast<const char*>(stack_end) - top);
+    std::memcpy(stack_.get(), top, reinterpret_cast<const char*>(stack_end) - top);
   }
   [[nodiscard]] bool is(const ucontext_t& context, std::uintptr_t stack_end) const {
     if (registers_ != registers_of(context)) return false;
     const char* top = top_of(context);
     return std::memcmp(vectors_.data(), context.uc_mcontext.fpregs, vector_bytes) == 0 &&
-           std::memcmp(stack_.data(), top, reinterpret_cast<const char*>(stack_end) - top) == 0;
+           std::memcmp(stack_.get(), top, reinterpret_cast<const char*>(stack_end) - top) == 0;
   }
 
  private:
@@ -88,7 +89,7 @@ class State {
 
   Registers registers_{};
   std::array<char, vector_bytes> vectors_{};
-  std::vector<char> stack_;
+  std::unique_ptr<char[]> stack_;
 };
 
 struct Report {

@@ -105,10 +105,15 @@ std::size_t Tenant::block_size(void* block) {
 
 // A lock in terms of the rest (Drepper, "Futexes are tricky", the second mutex): 0 free, 1 held,
 // 2 held and perhaps waited for.
-void Tenant::lock(std::uintptr_t address, const void* pc) {
-  if (try_lock(address, pc)) return;
-  const Access access{address, 4, Order::acquire, pc};
-  while (modify(access, Operation::exchange, 2) != 0) wait(address, 2, -1, pc);
+bool Tenant::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) {
+  if (try_lock(address, pc)) return true;
+  const std::int64_t end = now() + nanoseconds;
+  const auto left = [&] {
+    return nanoseconds < 0 ? nanoseconds : std::max<std::int64_t>(end - now(), 0);
+  };
+  while (modify({address, 4, Order::acquire, pc}, Operation::exchange, 2) != 0)
+    if (wait(address, 2, left(), pc) == Wake::timed_out) return false;
+  return true;
 }
 
 bool Tenant::try_lock(std::uintptr_t address, const void* pc) {

@@ -175,4 +175,9 @@ IRT_REDIRECTED int irt_vc___cxa_thread_atexit(void (*destructor)(void*), void* o
   core_state(current_core).exits.push_back({destructor, object});
   return 0;
 }
+// For library/thread_keys.cpp: who is first in the list is called last.
+IRT_REDIRECTED void irt_vc_at_end_of_core(void (*function)(void*)) {
+  auto& exits = core_state(current_core).exits;
+  exits.insert(exits.begin(), {function, nullptr});
+}
 // NOLINTEND(performance-no-int-to-ptr,bugprone-reserved-identifier,readability-identifier-naming)

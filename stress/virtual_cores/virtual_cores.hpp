@@ -125,7 +125,8 @@ class Tenant {
 
   // Waiting. Mutexes, condition variables, semaphores, rw locks and barriers of the code come down
   // to these. A lock is four bytes at `address`, zero when free.
-  virtual void lock(std::uintptr_t address, const void* pc);
+  /// Waits for at most `nanoseconds` if that is not negative. Returns whether it has the lock.
+  virtual bool lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc);
   virtual bool try_lock(std::uintptr_t address, const void* pc);
   virtual void unlock(std::uintptr_t address, const void* pc);
   /// Sleeps if four bytes at `address` hold `expected`, for at most `nanoseconds` if that is not
@@ -189,7 +190,8 @@ std::vector<Range> thread_locals_of(unsigned core);
 /// The virtual cores. At most one object exists at a time.
 class Cores {
  public:
-  /// `stack_bytes` per core, at addresses that are the same in every run.
+  /// `stack_bytes` per core, at addresses that are the same in every run; memory is taken as it is
+  /// used, but small stacks lie close together, which the host's caches like.
   Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes = std::size_t{64} << 10U);
   Cores(const Cores&) = delete;
   Cores& operator=(const Cores&) = delete;

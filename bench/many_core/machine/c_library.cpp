@@ -1,11 +1,14 @@
 #include "bench/many_core/machine/c_library.hpp"
 
+#include <algorithm>
+
 namespace irt::many_core {
 
 using virtual_cores::Access;
 using virtual_cores::Operation;
 using virtual_cores::Order;
 using virtual_cores::Value;
+using virtual_cores::Wake;
 
 namespace {
 
@@ -24,12 +27,18 @@ bool CLibrary::try_lock(Thread& me, std::uintptr_t address, const void* pc) {
   return accesses_.compare_exchange(me, {address, 4, Order::acquire, pc}, expected, 1);
 }
 
-void CLibrary::lock(Thread& me, std::uintptr_t address, const void* pc) {
-  if (try_lock(me, address, pc)) return;
+bool CLibrary::lock(Thread& me, std::uintptr_t address, std::int64_t nanoseconds, const void* pc) {
+  if (try_lock(me, address, pc)) return true;
+  const Time end = me.clock + nanoseconds * nanosecond;
+  const auto sleep = [&] {
+    const std::int64_t left = nanoseconds < 0 ? -1 : std::max<Time>(end - me.clock, 0) / nanosecond;
+    return kernel_.wait(me, address, 2, left, pc) != Wake::timed_out;
+  };
   const Access access{address, 4, Order::acquire, pc};
-  if (accesses_.load(me, access) == 2) kernel_.wait(me, address, 2, -1, pc);
+  if (accesses_.load(me, access) == 2 && !sleep()) return false;
   while (accesses_.modify(me, access, Operation::exchange, 2) != 0)
-    kernel_.wait(me, address, 2, -1, pc);
+    if (!sleep()) return false;
+  return true;
 }
 
 void CLibrary::unlock(Thread& me, std::uintptr_t address, const void* pc) {

@@ -14,7 +14,7 @@ class CLibrary {
       : heap_(heap), accesses_(accesses), kernel_(kernel) {}
 
   // As virtual_cores::Tenant has them, of the thread in progress. Blocks are those of the heap.
-  void lock(Thread& me, std::uintptr_t address, const void* pc);
+  bool lock(Thread& me, std::uintptr_t address, std::int64_t nanoseconds, const void* pc);
   bool try_lock(Thread& me, std::uintptr_t address, const void* pc);
   void unlock(Thread& me, std::uintptr_t address, const void* pc);
   void* allocate(Thread& me, std::size_t size, std::size_t alignment, const void* pc);

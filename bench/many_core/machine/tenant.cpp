@@ -65,12 +65,9 @@ std::size_t MachineTenant::block_size(void* block) {
                                                              : Tenant::block_size(block);
 }
 
-void MachineTenant::lock(std::uintptr_t address, const void* pc) {
-  if (state_.timed) {
-    library_.lock(*state_.current, address, pc);
-  } else {
-    Tenant::lock(address, pc);
-  }
+bool MachineTenant::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) {
+  return state_.timed ? library_.lock(*state_.current, address, nanoseconds, pc)
+                      : Tenant::lock(address, nanoseconds, pc);
 }
 
 bool MachineTenant::try_lock(std::uintptr_t address, const void* pc) {

@@ -31,7 +31,7 @@ class MachineTenant final : public virtual_cores::Tenant {
   void* allocate(std::size_t size, std::size_t alignment, const void* pc) override;
   void release(void* block, const void* pc) override;
   std::size_t block_size(void* block) override;
-  void lock(std::uintptr_t address, const void* pc) override;
+  bool lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) override;
   bool try_lock(std::uintptr_t address, const void* pc) override;
   void unlock(std::uintptr_t address, const void* pc) override;
   virtual_cores::Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,

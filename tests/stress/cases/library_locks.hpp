@@ -6,9 +6,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <ctime>
 #include <mutex>
 #include <pthread.h>
+#include <semaphore.h>
+#include <semaphore>
+#include <shared_mutex>
 #include <string_view>
+#include <threads.h>
 #include <vector>
 
 #include "queues/work_queue.hpp"
@@ -60,6 +65,92 @@ class SleepingFlag {
 
  private:
   std::atomic_flag flag_;
+};
+
+inline timespec in_a_millisecond() {
+  timespec time{};
+  clock_gettime(CLOCK_REALTIME, &time);
+  time.tv_nsec += 1'000'000;
+  if (time.tv_nsec >= 1'000'000'000) {
+    time.tv_nsec -= 1'000'000'000;
+    ++time.tv_sec;
+  }
+  return time;
+}
+
+/// std::timed_mutex and std::shared_timed_mutex, waited for for a while.
+template <class Mutex>
+class TimedLock {
+ public:
+  bool try_lock() { return mutex_.try_lock_for(std::chrono::milliseconds(1)); }
+  void unlock() { mutex_.unlock(); }
+
+ private:
+  Mutex mutex_;
+};
+
+/// A read-write lock by POSIX, whose writers wait for a while.
+class TimedReadWriteLock {
+ public:
+  TimedReadWriteLock() = default;
+  TimedReadWriteLock(const TimedReadWriteLock&) = delete;
+  TimedReadWriteLock& operator=(const TimedReadWriteLock&) = delete;
+  ~TimedReadWriteLock() { pthread_rwlock_destroy(&lock_); }
+
+  bool try_lock() {
+    const timespec end = in_a_millisecond();
+    return pthread_rwlock_timedwrlock(&lock_, &end) == 0;
+  }
+  void unlock() { pthread_rwlock_unlock(&lock_); }
+
+ private:
+  pthread_rwlock_t lock_ = PTHREAD_RWLOCK_INITIALIZER;
+};
+
+/// A semaphore by POSIX, as a lock.
+class TimedSemaphore {
+ public:
+  TimedSemaphore() { sem_init(&free_, 0, 1); }
+  TimedSemaphore(const TimedSemaphore&) = delete;
+  TimedSemaphore& operator=(const TimedSemaphore&) = delete;
+  ~TimedSemaphore() { sem_destroy(&free_); }
+
+  bool try_lock() {
+    const timespec end = in_a_millisecond();
+    return sem_timedwait(&free_, &end) == 0;
+  }
+  void unlock() { sem_post(&free_); }
+
+ private:
+  sem_t free_{};
+};
+
+/// A semaphore by C++, as a lock.
+class TimedStandardSemaphore {
+ public:
+  bool try_lock() { return free_.try_acquire_for(std::chrono::milliseconds(1)); }
+  void unlock() { free_.release(); }
+
+ private:
+  std::binary_semaphore free_{1};
+};
+
+/// A mutex by C11, waited for for a while.
+class TimedC11Mutex {
+ public:
+  TimedC11Mutex() { mtx_init(&mutex_, mtx_timed); }
+  TimedC11Mutex(const TimedC11Mutex&) = delete;
+  TimedC11Mutex& operator=(const TimedC11Mutex&) = delete;
+  ~TimedC11Mutex() { mtx_destroy(&mutex_); }
+
+  bool try_lock() {
+    const timespec end = in_a_millisecond();
+    return mtx_timedlock(&mutex_, &end) == thrd_success;
+  }
+  void unlock() { mtx_unlock(&mutex_); }
+
+ private:
+  mtx_t mutex_{};
 };
 
 /// With `patience` a pop that finds the lock taken so often goes on without it, which is a bug.
@@ -120,6 +211,47 @@ class GivesUpBug : public LibraryLocked<T, TriedSpinLock, 5> {
 template <class T>
 class GivesUpMutexBug : public LibraryLocked<T, std::mutex, 5> {
   using LibraryLocked<T, std::mutex, 5>::LibraryLocked;
+};
+
+template <class T>
+class TimedMutexBag : public LibraryLocked<T, TimedLock<std::timed_mutex>> {
+  using LibraryLocked<T, TimedLock<std::timed_mutex>>::LibraryLocked;
+};
+template <class T>
+class TimedSharedMutexBag : public LibraryLocked<T, TimedLock<std::shared_timed_mutex>> {
+  using LibraryLocked<T, TimedLock<std::shared_timed_mutex>>::LibraryLocked;
+};
+template <class T>
+class TimedReadWriteBag : public LibraryLocked<T, TimedReadWriteLock> {
+  using LibraryLocked<T, TimedReadWriteLock>::LibraryLocked;
+};
+template <class T>
+class TimedSemaphoreBag : public LibraryLocked<T, TimedSemaphore> {
+  using LibraryLocked<T, TimedSemaphore>::LibraryLocked;
+};
+template <class T>
+class TimedStandardSemaphoreBag : public LibraryLocked<T, TimedStandardSemaphore> {
+  using LibraryLocked<T, TimedStandardSemaphore>::LibraryLocked;
+};
+template <class T>
+class TimedC11Bag : public LibraryLocked<T, TimedC11Mutex> {
+  using LibraryLocked<T, TimedC11Mutex>::LibraryLocked;
+};
+template <class T>
+class TimesOutMutexBug : public LibraryLocked<T, TimedLock<std::timed_mutex>, 1> {
+  using LibraryLocked<T, TimedLock<std::timed_mutex>, 1>::LibraryLocked;
+};
+template <class T>
+class TimesOutReadWriteBug : public LibraryLocked<T, TimedReadWriteLock, 1> {
+  using LibraryLocked<T, TimedReadWriteLock, 1>::LibraryLocked;
+};
+template <class T>
+class TimesOutSemaphoreBug : public LibraryLocked<T, TimedSemaphore, 1> {
+  using LibraryLocked<T, TimedSemaphore, 1>::LibraryLocked;
+};
+template <class T>
+class TimesOutC11Bug : public LibraryLocked<T, TimedC11Mutex, 1> {
+  using LibraryLocked<T, TimedC11Mutex, 1>::LibraryLocked;
 };
 
 /// A pop that finds nothing looks at the clock for an hour.

@@ -7,10 +7,12 @@
 #include "tests/stress/cases/endless.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
+#include "tests/stress/cases/large_frames.hpp"
 #include "tests/stress/cases/library_locks.hpp"
 #include "tests/stress/cases/load_time.hpp"
 #include "tests/stress/cases/many_sc.hpp"
 #include "tests/stress/cases/many_steps.hpp"
+#include "tests/stress/cases/mapped.hpp"
 #include "tests/stress/cases/narrow_index.hpp"
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/one_short.hpp"
@@ -18,6 +20,7 @@
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
 #include "tests/stress/cases/tagged_registry.hpp"
+#include "tests/stress/cases/thread_keys.hpp"
 #include "tests/stress/cases/traps.hpp"
 #include "tests/stress/cases/unpublished.hpp"
 #include "tests/stress/cases/waits_for_recycled.hpp"
@@ -90,6 +93,26 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::LongSpin>("long-spin"),
     irt::queue_entry<irt::Registry>("registry"),
     irt::queue_entry<irt::ListQueue>("list-queue"),
+    irt::queue_entry<irt::TimedMutexBag>("timed-mutex"),
+    irt::queue_entry<irt::TimedSharedMutexBag>("timed-shared-mutex"),
+    irt::queue_entry<irt::TimedReadWriteBag>("timed-rw-lock"),
+    irt::queue_entry<irt::TimedSemaphoreBag>("timed-semaphore"),
+    irt::queue_entry<irt::TimedStandardSemaphoreBag>("timed-std-semaphore"),
+    irt::queue_entry<irt::TimedC11Bag>("timed-c11-mutex"),
+    irt::queue_entry<irt::TimesOutMutexBug>("times-out-mutex-bug"),
+    irt::queue_entry<irt::TimesOutReadWriteBug>("times-out-rw-lock-bug"),
+    irt::queue_entry<irt::TimesOutSemaphoreBug>("times-out-semaphore-bug"),
+    irt::queue_entry<irt::TimesOutC11Bug>("times-out-c11-bug"),
+    irt::queue_entry<irt::MappedPages>("mapped-pages"),
+    irt::queue_entry<irt::MappedAligned>("mapped-aligned"),
+    irt::queue_entry<irt::MappedUsesBug>("mapped-uses-bug"),
+    irt::queue_entry<irt::MappedAlignedUsesBug>("mapped-aligned-uses-bug"),
+    irt::queue_entry<irt::MappedLeaksBug>("mapped-leaks-bug"),
+    irt::queue_entry<irt::PosixKeyBag>("posix-key"),
+    irt::queue_entry<irt::C11KeyBag>("c11-key"),
+    irt::queue_entry<irt::PosixKeyLeaksBug>("posix-key-leaks-bug"),
+    irt::queue_entry<irt::LargeFrames>("large-frames"),
+    irt::queue_entry<irt::EndlessRecursionBug>("endless-recursion-bug"),
 };
 
 }  // namespace
