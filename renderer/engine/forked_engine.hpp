@@ -121,8 +121,7 @@ void ForkedEngine<System>::work_on(Worker& me, unsigned index, Task& task) {
       const std::scoped_lock lock(error_mutex_);
       if (!error_) error_ = std::current_exception();
       failed_.store(true, std::memory_order_relaxed);
-      for (Task* child : children.finish()) pool_.recycle(index, *child);
-      children.finish().clear();
+      children.discard();
     }
     charge(me, me.stats.shade_ns);
   }
@@ -146,7 +145,7 @@ FrameStats ForkedEngine<System>::run(Application& application) {
   try {
     application.start_frame(first);
   } catch (...) {
-    for (Task* task : first.finish()) pool_.recycle(0, *task);
+    first.discard();
     throw;
   }
   const std::vector<Task*>& tasks = first.finish();

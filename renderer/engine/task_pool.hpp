@@ -103,6 +103,12 @@ class TaskSink {
     return tasks_;
   }
 
+  /// Gives all tasks back to the pool.
+  void discard() {
+    for (Task* task : tasks_) pool_.recycle(worker_, *task);
+    tasks_.clear();
+  }
+
  private:
   TaskPool& pool_;
   unsigned worker_, spread_;

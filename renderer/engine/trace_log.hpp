@@ -6,23 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "renderer/engine/activity.hpp"
 #include "renderer/engine/task.hpp"
 
 namespace irt {
-
-enum class Activity : std::uint8_t {
-  task,     ///< everything that is done for a task; holds trace, shade and add
-  trace,    ///< traversal and intersection
-  shade,    ///< the application
-  add,      ///< pushes, one after the other
-  get,      ///< a pop that found a task
-  idle,     ///< pops that found nothing, and waiting between them
-  barrier,  ///< until the frame begins, or ends, for all
-  frame,    ///< all of a frame; holds the phases below
-  generate,
-  render,
-  output,
-};
 
 struct Span {
   std::chrono::steady_clock::time_point begin, end;

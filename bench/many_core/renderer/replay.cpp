@@ -50,11 +50,11 @@ class Player final : public ReplayHost {
   }
   std::uint32_t children(std::uint32_t task) override { return recording_.tasks[task].children; }
 
-  void charge(unsigned worker, Account account) override {
+  void charge(unsigned worker, Activity activity) override {
     const Time now = machine_.clock();
     if (counting()) {
-      spent_[static_cast<std::size_t>(account)] += now - marks_[worker];
-      ++times_[static_cast<std::size_t>(account)];
+      spent_[static_cast<std::size_t>(activity)] += now - marks_[worker];
+      ++times_[static_cast<std::size_t>(activity)];
     }
     marks_[worker] = now;
   }
@@ -78,8 +78,8 @@ class Player final : public ReplayHost {
   virtual_cores::Module queue_module_, replay_module_;
   std::vector<Time> marks_;
   std::vector<Time> ends_;  // of frames
-  std::array<Time, accounts> spent_{};
-  std::array<std::uint64_t, accounts> times_{};
+  std::array<Time, activities> spent_{};
+  std::array<std::uint64_t, activities> times_{};
   std::vector<unsigned> traced_;              // how often, by task
   double add_ns_;                             // a contribution to lines that the core owns
   std::vector<Contributions> contributions_;  // by task
@@ -167,25 +167,23 @@ nlohmann::json Player::play() {
   }
   result["fps"] = options_.frames / measured;
   result["tasks_per_frame"] = recording_.tasks.size();
-  const auto share = [&](Account account) {
-    return static_cast<double>(spent_[static_cast<std::size_t>(account)]) * seconds / measured /
-           options_.threads;
+  const auto spent = [&](Activity activity) { return spent_[static_cast<std::size_t>(activity)]; };
+  const auto share = [&](Time time) {
+    return static_cast<double>(time) * seconds / measured / options_.threads;
   };
-  const auto mean = [&](Account account) {
-    const auto times = static_cast<double>(times_[static_cast<std::size_t>(account)]);
-    return times == 0
-               ? 0
-               : static_cast<double>(spent_[static_cast<std::size_t>(account)]) / times / 1e3;
+  const auto mean = [&](Activity activity) {
+    const auto times = static_cast<double>(times_[static_cast<std::size_t>(activity)]);
+    return times == 0 ? 0 : static_cast<double>(spent(activity)) / times / 1e3;
   };
-  result["get_ns"] = mean(Account::get);
-  result["add_ns"] = mean(Account::add);
-  result["share_get"] = share(Account::get);
-  result["share_add"] = share(Account::add);
-  result["share_idle"] = share(Account::idle);
-  result["share_trace"] = share(Account::trace);
-  result["share_shade"] = share(Account::shade);
-  result["share_barrier"] = share(Account::barrier);
-  result["share_serial"] = share(Account::serial);
+  result["get_ns"] = mean(Activity::get);
+  result["add_ns"] = mean(Activity::add);
+  result["share_get"] = share(spent(Activity::get));
+  result["share_add"] = share(spent(Activity::add));
+  result["share_idle"] = share(spent(Activity::idle));
+  result["share_trace"] = share(spent(Activity::trace));
+  result["share_shade"] = share(spent(Activity::shade));
+  result["share_barrier"] = share(spent(Activity::barrier));
+  result["share_serial"] = share(spent(Activity::generate) + spent(Activity::output));
   const Counts& counts = machine_.counts();
   const double tasks =
       static_cast<double>(recording_.tasks.size()) * static_cast<double>(ends_.size());

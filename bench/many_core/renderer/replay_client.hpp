@@ -1,17 +1,13 @@
-/// The render threads' loop of renderer/engine/queue_engine.hpp, compiled for virtual cores, with
+/// The render threads' loop of renderer/engine/render_loop.hpp, compiled for virtual cores, with
 /// recorded tasks instead of rays.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "queues/work_queue.hpp"
+#include "renderer/engine/activity.hpp"
 
 namespace irt::many_core {
-
-/// Where a render thread's time goes.
-enum class Account : std::uint8_t { get, add, idle, trace, shade, barrier, serial };
-inline constexpr std::size_t accounts = 7;
 
 /// What the replayed code asks of the simulator; nothing of it takes simulated time but work.
 class ReplayHost {
@@ -32,7 +28,7 @@ class ReplayHost {
   virtual std::uint32_t first_child(std::uint32_t task) = 0;
   virtual std::uint32_t children(std::uint32_t task) = 0;
   /// Charges the time since the last call of this thread.
-  virtual void charge(unsigned worker, Account account) = 0;
+  virtual void charge(unsigned worker, Activity activity) = 0;
   virtual void frame_done() = 0;
 };
 
