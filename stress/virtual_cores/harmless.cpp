@@ -32,6 +32,7 @@ constexpr std::array exact{
     "_ZNSt6thread4joinEv"sv, "_ZNSt6thread6detachEv"sv, "_ZNSt6thread20hardware_concurrencyEv"sv,
     "sysconf"sv, "get_nprocs"sv, "get_nprocs_conf"sv, "getpid"sv, "getpagesize"sv,
     "pthread_equal"sv, "thrd_equal"sv, "mlock"sv, "mlock2"sv, "munlock"sv, "posix_madvise"sv,
+    "__sched_cpucount"sv, "getenv"sv,
     // Wide arithmetic.
     "__udivti3"sv, "__umodti3"sv, "__divti3"sv, "__modti3"sv, "__multi3"sv, "__popcountdi2"sv,
     "__atomic_is_lock_free"sv};
@@ -93,8 +94,11 @@ bool is_arithmetic(std::string_view name) {
 }  // namespace
 
 bool is_harmless(std::string_view name) {
-  static constexpr std::array prefixes{"__tsan_"sv, "irt_vc_"sv, "_ZTI"sv, "_ZTS"sv,
-                                       "_ZTVN10__cxxabiv1"sv};
+  static constexpr std::array prefixes{
+      "__tsan_"sv, "irt_vc_"sv, "_ZTI"sv, "_ZTS"sv, "_ZTVN10__cxxabiv1"sv,
+      // Attributes, which are made before the object and then read.
+      "pthread_mutexattr_"sv, "pthread_condattr_"sv, "pthread_rwlockattr_"sv,
+      "pthread_barrierattr_"sv, "pthread_attr_"sv};
   return std::any_of(prefixes.begin(), prefixes.end(),
                      [name](std::string_view prefix) { return name.starts_with(prefix); }) ||
          std::find(exact.begin(), exact.end(), name) != exact.end() || is_throw_helper(name) ||

@@ -221,6 +221,14 @@ IRT_STARTS_A_THREAD(
   IRT_REDIRECTED void irt_vc_##name() { \
     refuse("calls " #name "()");        \
   }
+IRT_REFUSED(pthread_join)
+IRT_REFUSED(pthread_detach)
+IRT_REFUSED(pthread_kill)
+IRT_REFUSED(pthread_cancel)
+IRT_REFUSED(pthread_exit)
+IRT_REFUSED(pthread_getattr_np)
+IRT_REFUSED(thrd_exit)
+IRT_REFUSED(sigaction)
 IRT_REFUSED(fork)
 IRT_REFUSED(vfork)
 IRT_REFUSED(mremap)

@@ -286,6 +286,36 @@ IRT_REDIRECTED pthread_t irt_vc_pthread_self() {
   return current_core + pthread_t{1};
 }
 asm(".globl irt_vc_thrd_current\n.set irt_vc_thrd_current, irt_vc_pthread_self");
+// A core's number is no pthread_t of the host, which would take it for an address.
+IRT_REDIRECTED int irt_vc_pthread_getaffinity_np(pthread_t, std::size_t size, cpu_set_t* set) {
+  announce_write(set, size, IRT_PC);
+  return sched_getaffinity(0, size, set) == 0 ? 0 : EINVAL;
+}
+IRT_REDIRECTED int irt_vc_sched_getaffinity(pid_t, std::size_t size, cpu_set_t* set) {
+  announce_write(set, size, IRT_PC);
+  return sched_getaffinity(0, size, set);
+}
+IRT_REDIRECTED int irt_vc_pthread_getname_np(pthread_t, char* name, std::size_t size) {
+  const std::string own = "core " + std::to_string(current_core);
+  if (size <= own.size()) return ERANGE;
+  announce_write(name, own.size() + 1, IRT_PC);
+  std::memcpy(name, own.c_str(), own.size() + 1);
+  return 0;
+}
+// Cores have no names, places or priorities to set.
+#define IRT_SUCCEEDS(name)             \
+  IRT_REDIRECTED int irt_vc_##name() { \
+    return 0;                          \
+  }
+IRT_SUCCEEDS(pthread_setname_np)
+IRT_SUCCEEDS(pthread_setaffinity_np)
+IRT_SUCCEEDS(pthread_setschedparam)
+IRT_SUCCEEDS(pthread_setschedprio)
+IRT_SUCCEEDS(sched_setaffinity)
+IRT_SUCCEEDS(sched_setscheduler)
+IRT_SUCCEEDS(setpriority)
+IRT_SUCCEEDS(pthread_atfork)
+#undef IRT_SUCCEEDS
 IRT_REDIRECTED int irt_vc_sched_getcpu() {
   return static_cast<int>(current_core);
 }
