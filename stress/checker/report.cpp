@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <set>
+#include <utility>
 
 #include "stress/checker/values.hpp"
 
@@ -114,11 +115,34 @@ std::string standings(const Execution& execution, Symbols& symbols) {
   return text;
 }
 
+/// Whether the call stands amid others like it, before or after the threads: three on either side.
+bool is_one_of_many(const std::vector<Operation>& operations, std::size_t number) {
+  constexpr std::size_t around = 3;
+  if (number < around || number + around >= operations.size()) return false;
+  const Operation& o = operations[number];
+  return o.phase != Operation::Phase::during &&
+         std::all_of(operations.begin() + static_cast<std::ptrdiff_t>(number - around),
+                     operations.begin() + static_cast<std::ptrdiff_t>(number + around + 1),
+                     [&o](const Operation& other) {
+                       return other.phase == o.phase && other.kind == o.kind &&
+                              other.worker == o.worker && other.answered == o.answered &&
+                              other.no_memory == o.no_memory;
+                     });
+}
+
 std::string history(const std::vector<Operation>& operations, std::string_view wrong) {
   std::string text;
   std::size_t last = 1;
   for (const Operation& o : operations) last = std::max({last, o.first_step, o.last_step});
+  std::size_t left_out = 0;
   for (const Operation& o : operations) {
+    const bool refused = o.kind == Operation::Kind::push && !o.answered &&
+                         wrong.find(refusal(o)) != std::string_view::npos;
+    if (!refused && is_one_of_many(operations, static_cast<std::size_t>(&o - operations.data()))) {
+      ++left_out;
+      continue;
+    }
+    if (left_out != 0) text += fmt::format("            and {} more\n", std::exchange(left_out, 0));
     constexpr std::size_t width = 48;
     std::string bar(width + 1, ' ');
     if (o.phase == Operation::Phase::during) {
@@ -133,8 +157,7 @@ std::string history(const std::vector<Operation>& operations, std::string_view w
                                                            : "";
     text += fmt::format("  {:<9} {:<18} {}\n",
                         *who != '\0' ? who : fmt::format("thread {}", o.thread), to_string(o), bar);
-    if (o.phase != Operation::Phase::during && o.kind == Operation::Kind::push && !o.answered &&
-        wrong.find(refusal(o)) != std::string_view::npos)
+    if (o.phase != Operation::Phase::during && refused)
       text += fmt::format("            ^ {}\n", contradiction(o, operations));
   }
   return text;

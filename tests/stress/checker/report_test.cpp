@@ -2,6 +2,7 @@
 
 #include "stress/checker/report.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <regex>
 #include <string>
@@ -158,6 +159,24 @@ TEST(Contradiction, names_the_element_that_an_empty_missed) {
             "push 101 happens before it, and nobody had taken that");
   EXPECT_EQ(contradiction(empty, {push, call(Kind::pop, 0, Phase::during, true, 101), empty}), "");
   EXPECT_EQ(contradiction(empty, {call(Kind::push, 2, Phase::during, true, 101), empty}), "");
+}
+
+TEST(History, shows_of_many_calls_alike_the_first_and_the_last) {
+  using checker::Operation;
+  std::vector<Operation> operations;
+  for (std::size_t i = 0; i < 70; ++i)
+    operations.push_back({.kind = Operation::Kind::push,
+                          .number = i,
+                          .phase = Operation::Phase::before,
+                          .answered = i != 40,
+                          .finished = true,
+                          .value = 301 + i});
+  operations.push_back({.kind = Operation::Kind::pop, .finished = true});
+  const std::string text = checker::history(operations, "(of 341) answered \"full\"");
+  for (const char* part : {"push 301", "push 303", "and 34 more", "push 341 -> full", "push 370"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_EQ(text.find("push 310"), std::string::npos) << text;
+  EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 20) << text;
 }
 
 TEST(Fold, leaves_what_does_not_repeat) {
