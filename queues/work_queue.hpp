@@ -145,6 +145,19 @@ struct Claims {
     return true;
   }
 
+  /// Whether one thread at a time pushes, over all workers; whether one pops. Who that is, `Roles`
+  /// says (roles.hpp).
+  [[nodiscard]] constexpr bool one_producer() const { return producers == Callers::one; }
+  [[nodiscard]] constexpr bool one_consumer() const { return consumers == Callers::one; }
+  /// Whether any number of workers push and any number pop, all of one queue.
+  [[nodiscard]] constexpr bool many_to_many() const {
+    return producers == Callers::many && consumers == Callers::many;
+  }
+  /// Whether each worker has a queue of its own.
+  [[nodiscard]] constexpr bool own_queues() const {
+    return producers == Callers::own_worker || consumers == Callers::own_worker;
+  }
+
   /// Whether the queue may be made for so many workers.
   [[nodiscard]] constexpr bool allows_workers(unsigned workers) const {
     return max_workers == 0 || workers <= max_workers;

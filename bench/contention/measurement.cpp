@@ -58,15 +58,15 @@ double variation(std::span<const double> values) {
 }
 
 /// Least over most operations of a thread, among those with the same part.
-double fairness(const Cast& cast, const std::vector<std::uint64_t>& operations) {
+double fairness(const Roles& roles, const std::vector<std::uint64_t>& operations) {
   const auto within = [&](std::size_t from, std::size_t to) {
     if (from >= to) return 1.0;
     const auto [least, most] = std::minmax_element(operations.begin() + static_cast<long>(from),
                                                    operations.begin() + static_cast<long>(to));
     return *most == 0 ? 0 : static_cast<double>(*least) / static_cast<double>(*most);
   };
-  if (cast.together()) return within(0, cast.threads);
-  return std::min(within(0, cast.producers), within(cast.producers, cast.threads));
+  if (roles.together()) return within(0, roles.workers);
+  return std::min(within(0, roles.producers), within(roles.producers, roles.workers));
 }
 
 std::vector<HardwareEvent> with_perf_names(std::vector<HardwareEvent> events) {
@@ -79,7 +79,7 @@ class Measurement {
   Measurement(const Job& job, const SubjectMaker& make)
       : job_(job),
         scenario_(*scenario_at(job.scenario).scenario),
-        table_(Cast{job.threads, job.producers, job.consumers}),
+        table_(Roles{job.threads, job.producers, job.consumers}),
         operations_(job.threads, 0) {
     table_.backlog = job.capacity;
     table_.pause_steps = steps_for(1000, job.pace);
@@ -243,7 +243,7 @@ class Measurement {
   }
 
   void sum_up() {
-    sample_.fairness = fairness(table_.cast, operations_);
+    sample_.fairness = fairness(table_.roles, operations_);
     sample_.counters = counters_.read();
     if (joules_) sample_.energy_joules = *joules_;
     const std::string& uncounted =

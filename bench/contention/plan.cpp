@@ -36,11 +36,11 @@ void drop_repeats(std::vector<T>& values) {
 }
 
 // What the claims, or a baseline's lack of elements, do not allow; empty where there is nothing.
-std::string obstacle(const Scenario& scenario, const Cast& cast, const Claims& claims) {
+std::string obstacle(const Scenario& scenario, const Roles& roles, const Claims& claims) {
   if (scenario.program == Program::frames && !claims.carries_elements) {
     return "it carries no elements, and a task says what comes of it";
   }
-  return contention::obstacle(cast, claims);
+  return contention::obstacle(roles, claims);
 }
 
 std::vector<std::string> with_baselines(const std::vector<std::string>& names) {
@@ -92,10 +92,10 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
                         const std::string& policy) {
     const unsigned number = cells++;
     if (number % plan.shards != plan.shard) return;
-    const Cast cast = chosen.cast(threads);
+    const Roles roles = chosen.roles(threads);
     for (const std::string& name : plan.queues) {
       const Claims& claims = queues.at_or_counter(name).claims;
-      const std::string why = obstacle(*chosen.scenario, cast, claims);
+      const std::string why = obstacle(*chosen.scenario, roles, claims);
       if (!why.empty()) {
         left_out.insert(fmt::format("{} does not play {}: {}", name, chosen.name(), why));
         continue;
@@ -103,11 +103,11 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
       all.rows.push_back({.cell = number,
                           .queue = name,
                           .scenario = chosen.name(),
-                          .cast = cast,
+                          .cast = roles,
                           .work_ns = work,
                           .capacity = capacity,
                           .placement = place(policy, machine),
-                          .oversubscribed = cast.threads > machine.processors.size(),
+                          .oversubscribed = roles.workers > machine.processors.size(),
                           .type_erased = type_erased(name),
                           .not_countable = not_countable(name),
                           .claims = claims_in_words(claims)});
@@ -116,11 +116,11 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
   for (const std::string& name : plan.scenarios) {
     const Chosen chosen = scenario_at(name);
     std::vector<unsigned> threads = plan.threads;
-    if (chosen.fixed) threads = {chosen.fixed->threads};
+    if (chosen.fixed) threads = {chosen.fixed->workers};
     std::set<unsigned> played;  // an odd number of threads may play as one less
     for (const unsigned count : threads) {
       if (count < chosen.scenario->least_threads) continue;
-      if (!played.insert(chosen.cast(count).threads).second) continue;
+      if (!played.insert(chosen.roles(count).workers).second) continue;
       for (const double work : plan.work) {
         for (const std::size_t capacity : plan.capacities) {
           for (const std::string& policy : plan.placements) {
@@ -139,12 +139,12 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pa
   const auto processors = row.placement.processors.empty()
                               ? std::max(1U, std::thread::hardware_concurrency())
                               : static_cast<unsigned>(row.placement.processors.size());
-  const Turn turn = turn_of(row.cast.threads, processors);
+  const Turn turn = turn_of(row.cast.workers, processors);
   return {.queue = row.queue,
           .scenario = row.scenario,
           .producers = row.cast.producers,
           .consumers = row.cast.consumers,
-          .threads = row.cast.threads,
+          .threads = row.cast.workers,
           .work_ns = row.work_ns,
           .work_spread = plan.work_spread,
           .pace = pace,

@@ -11,7 +11,20 @@
 #include "bench/contention/scenarios.hpp"
 #include "queues/registry.hpp"
 
-namespace irt::contention {
+namespace irt {
+
+// As journals have them.
+inline void to_json(nlohmann::json& json, const Roles& roles) {
+  json = {
+      {"threads", roles.workers}, {"producers", roles.producers}, {"consumers", roles.consumers}};
+}
+inline void from_json(const nlohmann::json& json, Roles& roles) {
+  json.at("threads").get_to(roles.workers);
+  json.at("producers").get_to(roles.producers);
+  json.at("consumers").get_to(roles.consumers);
+}
+
+namespace contention {
 
 /// Every combination of the lists is measured, as far as a queue's claims allow. Stands at the head
 /// of the journal.
@@ -41,7 +54,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, queues, scenarios, threads, work, place
 struct Row {
   unsigned cell = 0;
   std::string queue, scenario;
-  Cast cast;
+  Roles cast;
   double work_ns = 0;
   std::size_t capacity = 0;
   Placement placement;
@@ -50,7 +63,6 @@ struct Row {
   std::string not_countable;    ///< why no counting build is measured beside it; empty: one is
   nlohmann::json claims;        ///< in words
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Cast, threads, producers, consumers)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Placement, processors, text)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Row, cell, queue, scenario, cast, work_ns, capacity, placement,
                                    oversubscribed, type_erased, not_countable, claims)
@@ -95,4 +107,5 @@ std::vector<std::vector<unsigned>> groups_of(const std::vector<unsigned>& order,
 /// each element of its capacity. At least one.
 std::size_t most_together(const Row& row, double memory_bytes);
 
-}  // namespace irt::contention
+}  // namespace contention
+}  // namespace irt

@@ -49,7 +49,7 @@ template <class Hand>
 /// The first threads push, with work after each; the others pop, with work after each found.
 template <class Hand>
 [[gnu::always_inline]] inline void sides(Hand&& hand) {
-  if (hand.seat().worker < hand.seat().table.cast.producers) {
+  if (hand.seat().worker < hand.seat().table.roles.producers) {
     while (hand.running()) {
       hand.let_consumers_catch_up();
       hand.push_until_accepted(hand.fresh());
@@ -66,7 +66,7 @@ template <class Hand>
 /// `ping` is the hand on the queue there, `pong` on that back.
 template <class Hand>
 [[gnu::always_inline]] inline void ping_pong(Hand&& ping, Hand&& pong) {
-  const bool sends = ping.seat().worker < ping.seat().table.cast.producers;
+  const bool sends = ping.seat().worker < ping.seat().table.roles.producers;
   Hand& there = sends ? ping : pong;
   Hand& back = sends ? pong : ping;
   std::uint64_t element = there.fresh();

@@ -8,25 +8,18 @@
 #include <string>
 #include <string_view>
 
-#include "queues/work_queue.hpp"
+#include "queues/roles.hpp"
 
 namespace irt::contention {
 
 /// What a thread does, over and over; see programs.hpp.
 enum class Program : std::uint8_t { pairs, exchange, bursts, sides, ping_pong, frames };
 
-/// How many threads push and how many pop. Where every thread does both, both are all of them.
-struct Cast {
-  unsigned threads = 1, producers = 1, consumers = 1;
-
-  bool together() const { return producers + consumers > threads; }
-};
-
 struct Scenario {
   std::string_view name;
   std::string_view operation_mix;  ///< in words, for the results
   Program program = Program::pairs;
-  Cast (*cast)(unsigned threads) = nullptr;
+  Roles (*roles)(unsigned threads) = nullptr;
   unsigned least_threads = 1;
   double producer_pause_ns = 0;  ///< on top of the work between operations
   double prefill = 0;            ///< share of the capacity that is inside all the time
@@ -38,17 +31,17 @@ std::span<const Scenario> scenarios();
 /// A scenario of the command line: one with a name, or "3x1".
 struct Chosen {
   const Scenario* scenario = nullptr;
-  std::optional<Cast> fixed;  ///< of "3x1"
+  std::optional<Roles> fixed;  ///< of "3x1"
 
   std::string name() const;
-  Cast cast(unsigned threads) const { return fixed ? *fixed : scenario->cast(threads); }
+  Roles roles(unsigned threads) const { return fixed ? *fixed : scenario->roles(threads); }
 };
 
 /// Throws UsageError for an unknown name, with the nearest, and for an NxM out of range.
 Chosen scenario_at(const std::string& name);
 
 /// Why a queue with these claims cannot be used like that; empty if it can.
-std::string obstacle(const Cast& cast, const Claims& claims);
+std::string obstacle(const Roles& roles, const Claims& claims);
 
 /// At most so many threads in one measurement.
 inline constexpr unsigned most_threads = 1024;

@@ -59,9 +59,9 @@ class Gate {
 
 /// What all threads of a measurement share.
 struct Table {
-  explicit Table(Cast of) : cast(of), counts(of.threads), gate(of.threads) {}
+  explicit Table(Roles of) : roles(of), counts(of.workers), gate(of.workers) {}
 
-  Cast cast;
+  Roles roles;
   std::vector<Counts> counts;  ///< by thread
   std::size_t backlog = 0;     ///< elements inside beyond which producers wait for consumers
   std::uint64_t pause_steps = 0;

@@ -155,7 +155,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"operation_mix", scenario_at(row.scenario).scenario->operation_mix},
       {"producers", row.cast.producers},
       {"consumers", row.cast.consumers},
-      {"threads", row.cast.threads},
+      {"threads", row.cast.workers},
       {"oversubscribed", row.oversubscribed},
       {"work_ns", row.work_ns},
       {"work_spread", plan.work_spread},

@@ -177,7 +177,7 @@ class Sweep {
     progress.show(fmt::format(
         "{}, {}, {} threads", first.scenario,
         group.size() == 1 ? first.queue : fmt::format("{} queues in turns", group.size()),
-        first.cast.threads));
+        first.cast.workers));
     const auto skipped = std::erase_if(group, [&](unsigned row) { return hopeless(row); });
     for (std::size_t i = 0; i < skipped; ++i) progress.step();
     std::vector<Job> jobs;

@@ -21,8 +21,8 @@ class SerialisedQueue final : public AnyWorkQueue<void*> {
  public:
   SerialisedQueue(std::unique_ptr<AnyWorkQueue<void*>> queue, const Claims& claims)
       : queue_(std::move(queue)),
-        lock_pushes_(claims.producers == Callers::one),
-        lock_pops_(claims.consumers == Callers::one) {}
+        lock_pushes_(claims.one_producer()),
+        lock_pops_(claims.one_consumer()) {}
 
   bool push(unsigned worker, void* task) override {
     std::unique_lock lock(push_mutex_, std::defer_lock);
@@ -53,8 +53,7 @@ std::unique_ptr<Engine> make_engine(const EngineOptions& options, const QueueEnt
                                     const Accelerator& accelerator) {
   auto queue = entry.make_task_queue(options.threads, options.queue_capacity);
   const Claims& claims = entry.claims;
-  if (options.threads > 1 &&
-      (claims.producers == Callers::one || claims.consumers == Callers::one)) {
+  if (options.threads > 1 && (claims.one_producer() || claims.one_consumer())) {
     queue = std::make_unique<SerialisedQueue>(std::move(queue), claims);
   }
   if (options.trace != nullptr) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "queues/roles.hpp"
 #include "stress/checker/shapes.hpp"
 
 namespace irt::checker {
@@ -78,11 +79,12 @@ std::vector<std::string> aged_battery(const Claims& claims, bool old) {
 }
 
 std::string even_shape(const Claims& claims, unsigned threads, unsigned operations) {
+  const Roles roles = most_roles(claims, threads);
   Shape shape;
   for (unsigned thread = 0; thread < threads; ++thread) {
     std::string word;
-    if (claims.producers != Callers::one || thread == 0) word.append(operations, 'E');
-    if (claims.consumers != Callers::one || thread + 1 == threads) word.append(operations, 'D');
+    if (roles.pushes(thread)) word.append(operations, 'E');
+    if (roles.pops(thread)) word.append(operations, 'D');
     if (word.empty()) return "";
     shape.threads.push_back(word);
   }

@@ -24,7 +24,7 @@ Shape GeneratedShapes::next() {
 }
 
 Shape GeneratedShapes::draw(unsigned steps) {
-  const bool single = claims_.producers == Callers::one && claims_.consumers == Callers::one;
+  const bool single = claims_.one_producer() && claims_.one_consumer();
   unsigned threads = single ? 2 : 2 + std::min(random_.below(3), steps - 2);
   while (threads > 2 && !claims_.allows_workers(threads)) --threads;
   pusher_ = random_.below(threads);
@@ -51,8 +51,8 @@ Shape GeneratedShapes::draw(unsigned steps) {
 }
 
 std::string GeneratedShapes::word(unsigned thread, unsigned steps) {
-  const bool pushes = claims_.producers != Callers::one || thread == pusher_;
-  const bool pops = claims_.consumers != Callers::one || thread == popper_;
+  const bool pushes = !claims_.one_producer() || thread == pusher_;
+  const bool pops = !claims_.one_consumer() || thread == popper_;
   std::string letters;
   for (unsigned i = 0; i < steps && (pushes || pops); ++i)
     letters += !pops || (pushes && one_in(2)) ? 'E' : 'D';

@@ -62,8 +62,7 @@ class Sentence {
       case Pattern::fresh:
         if (breach.calls.size() == 1)
           return "pop returned " + value(breach, 0) + ", which nobody pushed";
-        if (at(breach, 0).worker != at(breach, 1).worker &&
-            specification_.claims().consumers == Callers::own_worker)
+        if (at(breach, 0).worker != at(breach, 1).worker && specification_.claims().own_queues())
           return "element " + value(breach, 0) + " was pushed for worker " +
                  std::to_string(at(breach, 1).worker) + " and popped for worker " +
                  std::to_string(at(breach, 0).worker);

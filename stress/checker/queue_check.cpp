@@ -137,8 +137,8 @@ class QueueCheck {
   [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
     if (!settings_.progress || parks_ || entry_.claims.push == irt::Progress::blocking) return {};
     if (entry_.claims.pop == irt::Progress::blocking)
-      return entry_.claims.producers == Callers::one ? std::vector<std::string>{}
-                                                     : std::vector<std::string>{"EE|EE"};
+      return entry_.claims.one_producer() ? std::vector<std::string>{}
+                                          : std::vector<std::string>{"EE|EE"};
     std::vector<std::string> result;
     for (const std::string& shape : shapes_)
       if (shape.find_first_of("WFTX") == std::string::npos) result.push_back(shape);

@@ -74,8 +74,8 @@ void QueueClient::cast_roles() {
     }
     return first;
   };
-  if (entry_.claims.producers == Callers::one) pusher_ = first_with("ERTF").value_or(0);
-  if (entry_.claims.consumers == Callers::one)
+  if (entry_.claims.one_producer()) pusher_ = first_with("ERTF").value_or(0);
+  if (entry_.claims.one_consumer())
     popper_ = first_with("DRTF").value_or(static_cast<unsigned>(shape_.threads.size()) - 1);
 }
 
@@ -85,13 +85,12 @@ void QueueClient::cast_roles() {
 void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
   std::vector<unsigned> poppers;
   for (unsigned worker = 0; worker < main; ++worker)
-    if (entry_.claims.consumers == Callers::one
+    if (entry_.claims.one_consumer()
             ? worker == popper_
             : shape_.threads[worker].find_first_of("DRTF") != std::string::npos ||
                   (worker == popper_ && shape_.prologue.find_first_of("DRTF") != std::string::npos))
       poppers.push_back(worker);
-  if (poppers.empty() || entry_.claims.consumers == Callers::own_worker ||
-      (stopped && entry_.claims.consumers == Callers::many)) {
+  if (poppers.empty() || entry_.claims.own_queues() || (stopped && !entry_.claims.one_consumer())) {
     poppers.resize(main);
     std::iota(poppers.begin(), poppers.end(), 0U);
   }
@@ -114,8 +113,8 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
 void QueueClient::run_letters(const std::string& letters, unsigned thread) {
   // What comes before and after the threads is done by the workers whose part it is.
   const bool alone = thread == shape_.threads.size();
-  const unsigned pusher = alone || entry_.claims.producers == Callers::one ? pusher_ : thread;
-  const unsigned popper = alone || entry_.claims.consumers == Callers::one ? popper_ : thread;
+  const unsigned pusher = alone || entry_.claims.one_producer() ? pusher_ : thread;
+  const unsigned popper = alone || entry_.claims.one_consumer() ? popper_ : thread;
   const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
   if (alone && (pusher == stopped || popper == stopped)) return;
   for (const char letter : letters) {
@@ -278,11 +277,11 @@ void QueueClient::work_until_over(unsigned thread, unsigned worker) {
 std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
   const stress::Specification specification(entry_.claims, capacity_);
   if (!specification.pops_past_stopped()) return std::nullopt;
-  if (entry_.claims.consumers == Callers::one && popper_ == stopped) return std::nullopt;
+  if (entry_.claims.one_consumer() && popper_ == stopped) return std::nullopt;
   for (const Operation& push : operations_) {
     if (push.kind != Operation::Kind::push || !push.answered) continue;
     // Where each has a queue of its own, only the stopped one could take it.
-    if (entry_.claims.consumers == Callers::own_worker && push.worker == stopped) continue;
+    if (entry_.claims.own_queues() && push.worker == stopped) continue;
     const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
       return o.kind == Operation::Kind::pop && o.value == push.value && (o.answered || !o.finished);
     });

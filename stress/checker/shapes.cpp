@@ -217,8 +217,8 @@ bool allows(const Claims& claims, const Shape& shape) {
         if (a < b && !handed_over(letters, *a, *b) && !handed_over(letters, *b, *a)) return false;
     return true;
   };
-  if (claims.producers == Callers::one && !one_at_a_time("ERTF")) return false;
-  return claims.consumers != Callers::one || one_at_a_time("DRTF");
+  if (claims.one_producer() && !one_at_a_time("ERTF")) return false;
+  return !claims.one_consumer() || one_at_a_time("DRTF");
 }
 
 }  // namespace irt::checker

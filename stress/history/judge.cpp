@@ -74,7 +74,7 @@ Verdict judge(const History& history, const Claims& claims, std::size_t capacity
   count(history.drain);
   if (!claims.bounded && verdict.fulls > 0) add(verdict, unbounded_full(history));
 
-  if (claims.consumers != Callers::own_worker) {
+  if (!claims.own_queues()) {
     judge_one_queue(history, specification, verdict);
     return verdict;
   }

@@ -63,7 +63,7 @@ std::optional<Breach> judge_elements(const Calls& calls, const Claims& claims) {
     if (pop == nobody && calls.emptied()) return Breach{Pattern::lost, {i}};
     if (pop == nobody) continue;
     if (calls.precedes(pop, i)) return Breach{Pattern::fresh, {pop, i}};
-    if (claims.consumers == Callers::own_worker && all[pop].worker != all[i].worker)
+    if (claims.own_queues() && all[pop].worker != all[i].worker)
       return Breach{Pattern::fresh, {pop, i}};
   }
   return std::nullopt;
@@ -382,7 +382,7 @@ std::pair<Calls, std::vector<std::size_t>> calls_of(unsigned worker, const Calls
 Judgement judge_in_every_order(const Calls& calls, const Specification& specification,
                                std::size_t most_states) {
   if (auto breach = judge_elements(calls, specification.claims())) return {breach};
-  if (specification.claims().consumers != Callers::own_worker)
+  if (!specification.claims().own_queues())
     return judge_one_queue(calls, specification, most_states);
   std::set<unsigned> workers;
   for (const Call& call : calls.all()) workers.insert(call.worker);

@@ -1,6 +1,5 @@
 #include "stress/scenarios/scenarios.hpp"
 
-#include <algorithm>
 #include <array>
 
 #include "stress/scenarios/bodies.hpp"
@@ -49,23 +48,9 @@ constexpr std::array waiting{
 
 }  // namespace
 
-Cast cast_for(const Scenario& scenario, const Claims& claims) {
-  const bool own =
-      claims.producers == Callers::own_worker || claims.consumers == Callers::own_worker;
-  const unsigned pushers = claims.producers == Callers::one ? 1 : scenario.pushers;
-  const unsigned poppers = claims.consumers == Callers::one ? 1 : scenario.poppers;
-  const unsigned most = claims.max_workers == 0 ? ~0U : claims.max_workers;
-  if (!scenario.together && !own && most > 1) {
-    // Who is one too many leaves the larger side.
-    Cast cast{0, pushers, poppers};
-    while (cast.pushers + cast.poppers > most)
-      --(cast.pushers > cast.poppers ? cast.pushers : cast.poppers);
-    cast.workers = cast.pushers + cast.poppers;
-    return cast;
-  }
-  const unsigned workers = std::min(
-      most, own ? std::max({2U, scenario.pushers, scenario.poppers}) : std::min(pushers, poppers));
-  return {workers, workers, workers};
+Roles roles_for(const Scenario& scenario, const Claims& claims) {
+  return roles_within(claims, scenario.together ? all_do_both(scenario.pushers)
+                                                : apart(scenario.pushers, scenario.poppers));
 }
 
 std::span<const Scenario> scenarios() {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "queues/roles.hpp"
 #include "stress/scenarios/core.hpp"
 
 namespace irt::stress {
@@ -26,19 +27,8 @@ struct Scenario {
   bool leaves_inside = false;  ///< the queue is destroyed with what is left
 };
 
-/// The part of each worker when a queue with certain claims meets a scenario.
-struct Cast {
-  unsigned workers = 0;
-  unsigned pushers = 0;  ///< workers [0, pushers) push
-  unsigned poppers = 0;  ///< workers [workers - poppers, workers) pop
-
-  [[nodiscard]] bool pushes(unsigned worker) const { return worker < pushers; }
-  [[nodiscard]] bool pops(unsigned worker) const { return worker >= workers - poppers; }
-};
-
-/// The largest cast of `scenario` that `claims` allow. A queue for one producer gets one; a queue
-/// per worker, or for one worker alone, gets workers that do both.
-Cast cast_for(const Scenario& scenario, const Claims& claims);
+/// Who pushes and pops in `scenario` when a queue has these claims.
+Roles roles_for(const Scenario& scenario, const Claims& claims);
 
 /// All scenarios for queues whose `pop` answers *empty*.
 std::span<const Scenario> scenarios();

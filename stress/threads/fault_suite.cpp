@@ -34,13 +34,11 @@ class FaultRun {
   FaultRun(const Assignment& assignment, Slot& slot)
       : assignment_(assignment),
         slot_(slot),
-        cast_(cast_for(
-            {.name = "faults", .summary = "", .pushers = 2, .poppers = 2, .together = true},
-            assignment.queue.claims)) {
+        roles_(roles_within(assignment.queue.claims, all_do_both(2))) {
     std::uint64_t sequence = 0;
     for (std::size_t i = 0; i < elements; ++i, ++sequence)
-      words_[i] =
-          next_element(assignment.queue.claims, static_cast<unsigned>(i % cast_.workers), sequence);
+      words_[i] = next_element(assignment.queue.claims, static_cast<unsigned>(i % roles_.workers),
+                               sequence);
   }
 
   /// The broken promise, or null.
@@ -50,8 +48,8 @@ class FaultRun {
     const FailingAllocation failing(k);
     const char* broken = nullptr;
     try {
-      const auto queue = assignment_.queue.make_word_queue(cast_.workers, capacity);
-      broken = use(*queue, cast_.workers);
+      const auto queue = assignment_.queue.make_word_queue(roles_.workers, capacity);
+      broken = use(*queue, roles_.workers);
     } catch (const std::bad_alloc&) {
       // The constructor threw: there is no queue, nothing was accepted.
     }
@@ -115,7 +113,7 @@ class FaultRun {
 
   const Assignment& assignment_;
   Slot& slot_;
-  Cast cast_;
+  Roles roles_;
   std::array<Element, elements> words_{};
   std::array<Fate, elements> fates_{};
   std::uint64_t due_ = 0;  ///< accepted and not popped

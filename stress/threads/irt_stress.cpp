@@ -133,7 +133,7 @@ class Session {
     }
     // The others need signals that stop a thread at once and an allocator of our own.
     if (sanitizer != Sanitizer::none || !chosen(options_.scenarios, "all")) return jobs;
-    const bool own = queue.claims.consumers == Callers::own_worker;
+    const bool own = queue.claims.own_queues();
     if (chosen(options_.suites, "sustained")) {
       jobs.push_back({"sustained", nullptr, 6, run_sustained});
     }

@@ -39,15 +39,14 @@ class Churn {
   Churn(const Assignment& assignment, Messenger& messenger)
       : assignment_(assignment),
         messenger_(messenger),
-        cast_(cast_for({.name = "memory", .summary = "", .pushers = 1, .poppers = 1},
-                       assignment.queue.claims)),
-        slots_(cast_.workers) {}
+        roles_(roles_within(assignment.queue.claims, apart(1, 1))),
+        slots_(roles_.workers) {}
 
   void run() {
     const Watchdog watchdog(slots_, hang_patience(), messenger_);
-    Team team(cast_.workers, slots_.data());
+    Team team(roles_.workers, slots_.data());
     const Accounting accounting;
-    const auto queue = assignment_.queue.make_word_queue(cast_.workers, most_inside);
+    const auto queue = assignment_.queue.make_word_queue(roles_.workers, most_inside);
     team.run([&](unsigned worker) { work(worker, *queue); });
     tell();
   }
@@ -60,12 +59,12 @@ class Churn {
   /// The first worker, who may push, says when it is over.
   void work(unsigned worker, ElementQueue& queue) {
     const auto start = Clock::now();
-    const bool alone = cast_.pushes(worker) && cast_.pops(worker);
+    const bool alone = roles_.pushes(worker) && roles_.pops(worker);
     std::uint64_t sequence = 0;
     std::uint64_t idle = 0;
     for (std::uint64_t i = 0; !over_.load(std::memory_order_relaxed); ++i) {
-      bool moved = cast_.pushes(worker) && push(worker, queue, sequence);
-      for (int twice = 0; cast_.pops(worker) && twice < 2; ++twice)
+      bool moved = roles_.pushes(worker) && push(worker, queue, sequence);
+      for (int twice = 0; roles_.pops(worker) && twice < 2; ++twice)
         moved = pop(worker, queue) || moved;
       if (!moved && !alone && ++idle % 64 == 0) std::this_thread::yield();
       if (worker == 0 && i % 256 == 0) over_.store(enough(start), std::memory_order_relaxed);
@@ -170,7 +169,7 @@ class Churn {
 
   const Assignment& assignment_;
   Messenger& messenger_;
-  Cast cast_;
+  Roles roles_;
   std::vector<Slot> slots_;
   std::atomic<std::int64_t> pushed_{0};
   std::atomic<std::int64_t> popped_{0};

@@ -33,9 +33,8 @@ bool answers_in_time(const std::atomic<bool>& answered, const std::atomic<pid_t>
 }
 
 void pop_once(const QueueEntry& entry, Messenger& messenger) {
-  const Cast cast =
-      cast_for({.name = "empty", .summary = "", .pushers = 1, .poppers = 1}, entry.claims);
-  const auto queue = entry.make_word_queue(cast.workers, 4);
+  const Roles roles = roles_within(entry.claims, apart(1, 1));
+  const auto queue = entry.make_word_queue(roles.workers, 4);
   Slot slot;
   std::atomic<bool> ready{false};
   std::atomic<bool> answered{false};
@@ -44,7 +43,7 @@ void pop_once(const QueueEntry& entry, Messenger& messenger) {
     const Presence presence(slot);
     ready = true;
     Element e = 0;
-    found = queue->pop(cast.workers - 1, e);
+    found = queue->pop(roles.workers - 1, e);
     answered = true;
     // The slot is kept until somebody has seen the answer.
     while (slot.done == 0) std::this_thread::yield();
@@ -53,7 +52,7 @@ void pop_once(const QueueEntry& entry, Messenger& messenger) {
   OnEmpty result = OnEmpty::answers;
   if (!answers_in_time(answered, slot.thread)) {
     // Nobody else may push for a worker who is in a call.
-    const bool pushes = cast.workers > 1;
+    const bool pushes = roles.workers > 1;
     if (pushes) queue->push(0, close_word);
     const bool closed = pushes && answers_in_time(answered, slot.thread) && !found;
     result = closed ? OnEmpty::waits : OnEmpty::waits_for_ever;
@@ -68,7 +67,7 @@ void pop_once(const QueueEntry& entry, Messenger& messenger) {
 
 OnEmpty find_on_empty(const QueueEntry& queue) {
   // Where each worker has a queue of its own, nobody can push while its worker waits.
-  if (queue.claims.consumers == Callers::own_worker) return OnEmpty::answers;
+  if (queue.claims.own_queues()) return OnEmpty::answers;
   Result result;
   run_in_child(
       result, 5, 30, [&](Messenger& messenger) { pop_once(queue, messenger); },

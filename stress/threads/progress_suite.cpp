@@ -66,23 +66,23 @@ std::string stack(const Trace& trace) {
 /// With one runner only, the driver works alone while that one is held.
 class ProgressRun {
  public:
-  ProgressRun(const Assignment& assignment, const Cast& cast, unsigned driver, Verdicts& verdicts,
+  ProgressRun(const Assignment& assignment, const Roles& roles, unsigned driver, Verdicts& verdicts,
               Messenger& messenger)
       : assignment_(assignment),
-        cast_(cast),
+        roles_(roles),
         driver_(driver),
-        alone_(cast.workers == 2 && cast.pushes(driver) && cast.pops(driver)),
+        alone_(roles.workers == 2 && roles.pushes(driver) && roles.pops(driver)),
         verdicts_(verdicts),
         messenger_(messenger),
-        slots_(cast.workers),
-        sequences_(cast.workers, 0) {}
+        slots_(roles.workers),
+        sequences_(roles.workers, 0) {}
 
   void run(double seconds) {
-    queue_ = assignment_.queue.make_word_queue(cast_.workers, capacity);
+    queue_ = assignment_.queue.make_word_queue(roles_.workers, capacity);
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(seconds));
     std::thread monitor([&] { watch(); });
-    Team team(cast_.workers, slots_.data());
+    Team team(roles_.workers, slots_.data());
     team.run([&](unsigned worker) {
       if (worker == driver_) {
         drive(end);
@@ -114,12 +114,12 @@ class ProgressRun {
 
   void use(unsigned worker) {
     while (!stop_.load(std::memory_order_relaxed)) {
-      if (cast_.pushes(worker) && inside_.load(std::memory_order_relaxed) < most_inside) {
+      if (roles_.pushes(worker) && inside_.load(std::memory_order_relaxed) < most_inside) {
         call(worker, Doing::push);
-      } else if (!cast_.pops(worker)) {
+      } else if (!roles_.pops(worker)) {
         std::this_thread::yield();
       }
-      if (cast_.pops(worker)) call(worker, Doing::pop);
+      if (roles_.pops(worker)) call(worker, Doing::pop);
     }
   }
 
@@ -129,7 +129,7 @@ class ProgressRun {
     for (auto now = last_word; now < end; now = Clock::now()) {
       random = random * 6364136223846793005U + 1442695040888963407U;
       for (std::uint64_t left = (random >> 33) % 5'000; left > 0; --left) asm volatile("");
-      const auto choice = static_cast<unsigned>((random >> 40) % (cast_.workers - 1));
+      const auto choice = static_cast<unsigned>((random >> 40) % (roles_.workers - 1));
       Slot& victim = slots_[choice < driver_ ? choice : choice + 1];
       if (suspend(victim)) {
         ++verdicts_.suspensions;
@@ -146,9 +146,9 @@ class ProgressRun {
           // The monitor lets it go; who is stopped before it is done would be let go, too.
           while (!let_go_.exchange(false, std::memory_order_relaxed)) std::this_thread::yield();
         }
-      } else if (cast_.pushes(driver_) && inside_.load(std::memory_order_relaxed) < most_inside) {
+      } else if (roles_.pushes(driver_) && inside_.load(std::memory_order_relaxed) < most_inside) {
         call(driver_, Doing::push);
-      } else if (cast_.pops(driver_)) {
+      } else if (roles_.pops(driver_)) {
         call(driver_, Doing::pop);
       }
       if (now - last_word > 200ms) {
@@ -168,13 +168,13 @@ class ProgressRun {
     const auto enough = [](const MethodVerdict& v) {
       return v.blocked + v.misled >= enough_blocks;
     };
-    return (!cast_.pushes(driver_) || enough(verdicts_.push)) &&
-           (!cast_.pops(driver_) || enough(verdicts_.pop));
+    return (!roles_.pushes(driver_) || enough(verdicts_.push)) &&
+           (!roles_.pops(driver_) || enough(verdicts_.pop));
   }
 
   void try_both(const Slot& victim, Doing first) {
     for (const Doing method : {first, first == Doing::push ? Doing::pop : Doing::push}) {
-      if (method == Doing::push ? !cast_.pushes(driver_) : !cast_.pops(driver_)) continue;
+      if (method == Doing::push ? !roles_.pushes(driver_) : !roles_.pops(driver_)) continue;
       call(driver_, method);
       // Where the monitor had to let the victim go, what follows would prove nothing.
       if (!holds(victim)) return;
@@ -260,7 +260,7 @@ class ProgressRun {
   }
 
   const Assignment& assignment_;
-  Cast cast_;
+  Roles roles_;
   unsigned driver_;
   bool alone_;  ///< with the victim
   Verdicts& verdicts_;
@@ -331,7 +331,7 @@ void tell(const Assignment& assignment, Doing method, const Verdicts& verdicts,
 void run_progress(const Assignment& assignment, Messenger& messenger) {
   install_signals();
   const Claims& claims = assignment.queue.claims;
-  if (claims.consumers == Callers::own_worker) {
+  if (claims.own_queues()) {
     messenger.note("each worker has a queue of its own: nobody can stop another");
     return;
   }
@@ -341,20 +341,15 @@ void run_progress(const Assignment& assignment, Messenger& messenger) {
   }
   // Threads inherit it: the naps around a suspension last as long as they say.
   prctl(PR_SET_TIMERSLACK, 1);
-  const bool together = claims.producers != Callers::one && claims.consumers != Callers::one;
-  const auto cast = [&](unsigned workers) {
-    return cast_for({.name = "progress",
-                     .summary = "",
-                     .pushers = workers,
-                     .poppers = workers,
-                     .together = together},
-                    claims);
+  const bool together = !claims.one_producer() && !claims.one_consumer();
+  const auto roles = [&](unsigned workers) {
+    return roles_within(claims, together ? all_do_both(workers) : apart(workers, workers));
   };
   Verdicts verdicts;
   if (together) {
-    ProgressRun(assignment, cast(2), 0, verdicts, messenger).run(0.2 * assignment.seconds);
+    ProgressRun(assignment, roles(2), 0, verdicts, messenger).run(0.2 * assignment.seconds);
   }
-  const Cast several = cast(3);
+  const Roles several = roles(3);
   // The first worker may push, the last may pop: each is the driver for a part of the time.
   for (const unsigned driver : {0U, several.workers - 1}) {
     ProgressRun(assignment, several, driver, verdicts, messenger).run(0.4 * assignment.seconds);

@@ -67,11 +67,11 @@ class ScenarioRunner {
   ScenarioRunner(const Assignment& assignment, const Scenario& scenario, Messenger& messenger)
       : assignment_(assignment),
         scenario_(scenario),
-        cast_(cast_for(scenario, assignment.queue.claims)),
-        slots_(cast_.workers + 1),
-        states_(cast_.workers),
+        roles_(roles_for(scenario, assignment.queue.claims)),
+        slots_(roles_.workers + 1),
+        states_(roles_.workers),
         watchdog_(slots_, hang_patience(), messenger),
-        team_(cast_.workers, slots_.data()),
+        team_(roles_.workers, slots_.data()),
         interrupter_(slots_, assignment.seed) {}
 
   ~ScenarioRunner() = default;
@@ -93,7 +93,7 @@ class ScenarioRunner {
     {
       const Presence presence(own_slot);
       bump();
-      const auto queue = make_(cast_.workers, capacity_);
+      const auto queue = make_(roles_.workers, capacity_);
       interrupter_.set_active(perturbation.stalls);
       try {
         if (age_ > 0) age(*queue);
@@ -115,7 +115,7 @@ class ScenarioRunner {
     if (finding) {
       finding->evidence += fmt::format(
           "in round {} of {} threads with {} operations each, capacity {}, {}{}\n", number,
-          cast_.workers, states_[0].operations, capacity_,
+          roles_.workers, states_[0].operations, capacity_,
           age_ > 0 ? fmt::format("after {} elements, ", age_) : "", perturbation.describe());
       if (complemented_)
         finding->evidence += "what was pushed were the complements of the elements\n";
@@ -139,17 +139,17 @@ class ScenarioRunner {
       }
     }
     // A thread that only comes and goes shows nothing.
-    const std::uint64_t size = round_size(seed >> 32, cast_.workers);
+    const std::uint64_t size = round_size(seed >> 32, roles_.workers);
     const std::uint64_t operations =
         std::max(std::min<std::uint64_t>(size, 32), size / scenario_.generations);
-    for (unsigned worker = 0; worker < cast_.workers; ++worker) {
+    for (unsigned worker = 0; worker < roles_.workers; ++worker) {
       WorkerState& state = states_[worker];
       state = {.worker = worker,
-               .workers = cast_.workers,
-               .pushers = cast_.pushers,
-               .poppers = cast_.poppers,
-               .pushes = cast_.pushes(worker),
-               .pops = cast_.pops(worker),
+               .workers = roles_.workers,
+               .pushers = roles_.producers,
+               .poppers = roles_.consumers,
+               .pushes = roles_.pushes(worker),
+               .pops = roles_.pops(worker),
                .capacity = capacity_,
                .claims = claims_,
                .random = SplitMix(mix_seed(seed, worker)),
@@ -158,14 +158,14 @@ class ScenarioRunner {
                .payloads = &payloads_};
       state.log.reserve(state.log_size(scenario_.generations));
     }
-    payloads_.prepare(cast_.workers, states_[0].log_size(scenario_.generations), seed);
+    payloads_.prepare(roles_.workers, states_[0].log_size(scenario_.generations), seed);
   }
 
   /// Sends elements through the queue, each alone in it. None is left inside when it returns.
   void age(ElementQueue& queue) {
-    const bool own = assignment_.queue.claims.consumers == Callers::own_worker;
+    const bool own = assignment_.queue.claims.own_queues();
     for (std::uint64_t i = 0, sequence = 0; i < age_; ++i, ++sequence) {
-      const auto pusher = static_cast<unsigned>(i % cast_.pushers);
+      const auto pusher = static_cast<unsigned>(i % roles_.producers);
       const Element pushed = next_element(claims_, pusher, sequence);
       const bool accepted = [&] {
         const Call call(slots_.back(), Doing::push);
@@ -173,8 +173,8 @@ class ScenarioRunner {
       }();
       Element popped = no_element;
       bool found = false;
-      for (unsigned p = 0; accepted && !found && p < (own ? 1 : cast_.poppers); ++p) {
-        const auto popper = cast_.workers - 1 - static_cast<unsigned>((i + p) % cast_.poppers);
+      for (unsigned p = 0; accepted && !found && p < (own ? 1 : roles_.consumers); ++p) {
+        const auto popper = roles_.workers - 1 - static_cast<unsigned>((i + p) % roles_.consumers);
         const Call call(slots_.back(), Doing::pop);
         found = queue.pop(own ? pusher : popper, popped);
       }
@@ -188,7 +188,7 @@ class ScenarioRunner {
   }
 
   void run_team(ElementQueue& queue, const Perturbation& perturbation, std::uint64_t seed) {
-    Gate gate(cast_.workers);
+    Gate gate(roles_.workers);
     // Where others load the machine, threads that wait for each other get slow: many rounds find
     // more than one long one.
     const double budget = std::min(0.5, assignment_.seconds / 8) * 1e9;  // nanoseconds
@@ -239,8 +239,8 @@ class ScenarioRunner {
     Gate gate(1);
     for (bool found = true; found;) {
       found = false;
-      for (unsigned worker = 0; worker < cast_.workers; ++worker) {
-        if (!cast_.pops(worker)) continue;
+      for (unsigned worker = 0; worker < roles_.workers; ++worker) {
+        if (!roles_.pops(worker)) continue;
         WorkerState state{.worker = worker, .operations = 0, .log = std::move(log)};
         ThreadCore core(state, queue, make_, slots_.back(), gate, {}, 0);
         while (state.log.size() < limit && core.pop()) found = true;
@@ -287,7 +287,7 @@ class ScenarioRunner {
 
   const Assignment& assignment_;
   const Scenario& scenario_;
-  Cast cast_;
+  Roles roles_;
   QueueMaker make_ = [this](unsigned workers, std::size_t capacity) {
     auto queue = assignment_.queue.make_word_queue(workers, capacity);
     if (!complemented_) return queue;

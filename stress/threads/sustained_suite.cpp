@@ -70,26 +70,26 @@ struct alignas(128) Account {
 /// One queue, used for some phases.
 class Life {
  public:
-  Life(const Assignment& assignment, const Cast& cast, std::size_t capacity, Traffic traffic,
+  Life(const Assignment& assignment, const Roles& roles, std::size_t capacity, Traffic traffic,
        std::vector<Slot>& slots, std::uint64_t seed)
       : claims_(assignment.queue.claims),
         pop_waits_(assignment.pop_waits),
-        cast_(cast),
+        roles_(roles),
         capacity_(capacity),
         traffic_(traffic),
         slots_(slots),
         random_(seed),
         most_work_(seed % 3 == 0 ? 0 : 100 << seed % 3),
-        accounts_(cast.workers),
-        queue_(assignment.queue.make_word_queue(cast.workers, capacity)) {
-    for (Account& account : accounts_) account.first_free.resize(cast.workers);
+        accounts_(roles.workers),
+        queue_(assignment.queue.make_word_queue(roles.workers, capacity)) {
+    for (Account& account : accounts_) account.first_free.resize(roles.workers);
     fill(first_inside());
   }
 
   /// Every worker's part of a phase that lasts until `end`.
   void work(unsigned worker, Clock::time_point end) {
-    const bool pushes = cast_.pushes(worker);
-    const bool pops = cast_.pops(worker);
+    const bool pushes = roles_.pushes(worker);
+    const bool pops = roles_.pops(worker);
     Slot& slot = slots_[worker];
     std::uint64_t random = random_ + worker;
     for (unsigned turn = 0; turn % 64 != 0 || Clock::now() < end; ++turn) {
@@ -126,8 +126,8 @@ class Life {
     bool false_empty = false;
     for (bool found = true; found && left > 0;) {
       found = false;
-      for (unsigned worker = 0; worker < cast_.workers; ++worker) {
-        if (!cast_.pops(worker)) continue;
+      for (unsigned worker = 0; worker < roles_.workers; ++worker) {
+        if (!roles_.pops(worker)) continue;
         for (; left > 0 && pop(worker, slots_.back()); --left) {
           found = true;
           false_empty = false_empty || denied;
@@ -137,8 +137,7 @@ class Life {
     }
     if (std::optional<Finding> broken = judge(pushed, total(&Account::popped))) return broken;
     const Specification specification(claims_, capacity_);
-    if (false_empty && specification.empty() != Answer::this_worker &&
-        claims_.consumers != Callers::own_worker)
+    if (false_empty && specification.empty() != Answer::this_worker && !claims_.own_queues())
       return Finding{std::string(promise(Pattern::witness)),
                      "with all others at rest a pop answered empty; then another worker's found "
                      "something\n",
@@ -175,7 +174,7 @@ class Life {
   std::size_t fill(std::size_t elements) {
     std::size_t accepted = 0;
     for (std::size_t i = 0; i < elements; ++i)
-      accepted += push(static_cast<unsigned>(i) % cast_.pushers, slots_.back()) ? 1 : 0;
+      accepted += push(static_cast<unsigned>(i) % roles_.producers, slots_.back()) ? 1 : 0;
     return accepted;
   }
 
@@ -188,8 +187,8 @@ class Life {
                                  accepted, capacity_),
                      {}};
     std::size_t left = capacity_ - first_inside();
-    for (unsigned worker = 0; worker < cast_.workers; ++worker)
-      while (left > 0 && cast_.pops(worker) && pop(worker, slots_.back())) --left;
+    for (unsigned worker = 0; worker < roles_.workers; ++worker)
+      while (left > 0 && roles_.pops(worker) && pop(worker, slots_.back())) --left;
     return std::nullopt;
   }
 
@@ -227,7 +226,7 @@ class Life {
     if (!found) return false;
     account.popped.add(e);
     const std::uint64_t producer = e >> sequence_bits;
-    if (producer >= cast_.workers) {
+    if (producer >= roles_.workers) {
       if (!account.invented) account.invented = e;
       return true;
     }
@@ -282,7 +281,7 @@ class Life {
 
   const Claims& claims_;
   bool pop_waits_;  ///< so that nobody may pop what was not pushed
-  Cast cast_;
+  Roles roles_;
   std::size_t capacity_;
   Traffic traffic_;
   std::vector<Slot>& slots_;
@@ -297,15 +296,12 @@ class Sustained {
  public:
   Sustained(const Assignment& assignment, unsigned threads, Messenger& messenger)
       : assignment_(assignment),
-        cast_(cast_for({.name = "sustained",
-                        .summary = "",
-                        .pushers = together(assignment) ? threads : threads / 2,
-                        .poppers = together(assignment) ? threads : threads - threads / 2,
-                        .together = together(assignment)},
-                       assignment.queue.claims)),
-        slots_(cast_.workers + 1),
+        roles_(roles_within(assignment.queue.claims,
+                            together(assignment) ? all_do_both(threads)
+                                                 : apart(threads / 2, threads - threads / 2))),
+        slots_(roles_.workers + 1),
         watchdog_(slots_, hang_patience(), messenger),
-        team_(cast_.workers, slots_.data()),
+        team_(roles_.workers, slots_.data()),
         interrupter_(slots_, assignment.seed),
         random_(assignment.seed * 2 + threads) {}
 
@@ -324,7 +320,7 @@ class Sustained {
  private:
   static bool together(const Assignment& assignment) {
     const Claims& claims = assignment.queue.claims;
-    return claims.producers != Callers::one && claims.consumers != Callers::one;
+    return !claims.one_producer() && !claims.one_consumer();
   }
 
   std::uint64_t next() {
@@ -339,7 +335,7 @@ class Sustained {
     const Traffic used = together(assignment_) ? static_cast<Traffic>(number % 4) : Traffic::sides;
     const bool stalls = next() % 2 == 0;
     const Presence presence(slots_.back());
-    Life life(assignment_, cast_, capacity, used, slots_, next());
+    Life life(assignment_, roles_, capacity, used, slots_, next());
     std::optional<Finding> found;
     do {
       // From a tenth of a millisecond to a tenth of a second: a thread that loses its processor
@@ -356,14 +352,14 @@ class Sustained {
     } while (Clock::now() < end);
     if (!found) found = life.count();
     if (!found) return found;
-    found->evidence += fmt::format("{} threads ({}{}), capacity {}, in phase {}\n", cast_.workers,
+    found->evidence += fmt::format("{} threads ({}{}), capacity {}, in phase {}\n", roles_.workers,
                                    name(used), stalls ? ", stalls" : "", capacity, points_);
     found->repeat = assignment_.repeat;
     return found;
   }
 
   const Assignment& assignment_;
-  Cast cast_;
+  Roles roles_;
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that counts
   Watchdog watchdog_;
   Team team_;
@@ -376,8 +372,7 @@ class Sustained {
 
 void run_sustained(const Assignment& assignment, Messenger& messenger) {
   const Claims& claims = assignment.queue.claims;
-  if (assignment.pop_waits &&
-      (claims.producers != Callers::many || claims.consumers != Callers::many)) {
+  if (assignment.pop_waits && !claims.many_to_many()) {
     messenger.limit("sustained: who only pops would wait for ever when the others stop: not run");
     return;
   }

@@ -108,8 +108,7 @@ void Player::choose_contributions() {
 
 void Player::make() {
   const QueueEntry& entry = *queue_module_.function<const QueueEntry*()>("irt_queue_entry")();
-  const auto one = Callers::one;
-  if (options_.threads > 1 && (entry.claims.producers == one || entry.claims.consumers == one)) {
+  if (options_.threads > 1 && (entry.claims.one_producer() || entry.claims.one_consumer())) {
     throw std::runtime_error("the queue " + std::string(entry.name) +
                              " lets one thread push or pop at a time; it is replayed with one "
                              "thread only");

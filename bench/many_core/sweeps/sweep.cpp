@@ -19,7 +19,7 @@
 #include "bench/running/journal.hpp"
 #include "bench/running/text_files.hpp"
 #include "queues/nearest.hpp"
-#include "queues/work_queue.hpp"
+#include "queues/roles.hpp"
 
 namespace irt::many_core {
 
@@ -238,17 +238,9 @@ std::string obstacle(const Point& point) {
   if (point.scenario == Scenario::primitive || point.threads == 1) return {};
   const std::optional<Claims> read = claims_of(point.module);
   if (!read) return {};  // to be told by each of its points
-  const Claims& claims = *read;
-  if (!claims.allows_workers(point.threads))
-    return "the queue is for at most " + std::to_string(claims.max_workers) + " workers";
-  if (claims.consumers == Callers::own_worker && point.scenario == Scenario::sides)
-    return "what a worker pushes only that worker can pop";
-  const bool several = point.scenario != Scenario::sides;
-  if (claims.producers == Callers::one && (several || point.producers > 1))
-    return "the queue is for one producer";
-  if (claims.consumers == Callers::one && (several || point.threads - point.producers > 1))
-    return "the queue is for one consumer";
-  return {};
+  return irt::obstacle(*read, point.scenario == Scenario::sides
+                                  ? apart(point.producers, point.threads - point.producers)
+                                  : all_do_both(point.threads));
 }
 
 std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile> profiles) {

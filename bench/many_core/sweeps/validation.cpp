@@ -62,9 +62,7 @@ bool validate_here(const SweepOptions& options, const std::atomic<bool>& interru
   std::vector<Task> tasks;
   std::vector<const QueueEntry*> entries;
   for (const QueueEntry& entry : built_in_queues()) {
-    if (entry.claims.consumers != Callers::many || entry.claims.producers != Callers::many ||
-        !available(std::string(entry.name), false))
-      continue;
+    if (!entry.claims.many_to_many() || !available(std::string(entry.name), false)) continue;
     for (unsigned threads = 1; threads <= most; ++threads) {
       tasks.push_back({&profile,
                        {.subject = std::string(entry.name),

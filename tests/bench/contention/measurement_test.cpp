@@ -36,13 +36,13 @@ Sample measure(const Job& job, const SubjectMaker& make,
 }
 
 Job job_for(const std::string& scenario, unsigned threads) {
-  const Cast cast = scenario_at(scenario).cast(threads);
+  const Roles roles = scenario_at(scenario).roles(threads);
   Job job;
   job.queue = no_queue;
   job.scenario = scenario;
-  job.threads = cast.threads;
-  job.producers = cast.producers;
-  job.consumers = cast.consumers;
+  job.threads = roles.workers;
+  job.producers = roles.producers;
+  job.consumers = roles.consumers;
   job.capacity = 1024;
   job.seconds = 0.2;
   job.warmup_seconds = 1;
@@ -168,7 +168,7 @@ TEST(Pitfalls, SpreadWorkKeepsItsMeanAndItsRange) {
 }
 
 TEST(Pitfalls, ThreadsShareNoLineThatOneOfThemWrites) {
-  const Table table(Cast{4, 4, 4});
+  const Table table(Roles{4, 4, 4});
   const auto line = [](const void* address) {
     return reinterpret_cast<std::uintptr_t>(address) / cache_line_pair;
   };

@@ -67,17 +67,17 @@ TEST(Placement, ThisMachineCanBeRead) {
 TEST(Scenarios, CastsAddUp) {
   for (const Scenario& scenario : scenarios()) {
     for (unsigned threads = scenario.least_threads; threads <= 9; ++threads) {
-      const Cast cast = scenario.cast(threads);
-      EXPECT_LE(cast.threads, threads) << scenario.name;
-      EXPECT_GE(cast.producers, 1U) << scenario.name;
-      EXPECT_GE(cast.consumers, 1U) << scenario.name;
-      if (!cast.together()) {
-        EXPECT_EQ(cast.producers + cast.consumers, cast.threads) << scenario.name;
+      const Roles roles = scenario.roles(threads);
+      EXPECT_LE(roles.workers, threads) << scenario.name;
+      EXPECT_GE(roles.producers, 1U) << scenario.name;
+      EXPECT_GE(roles.consumers, 1U) << scenario.name;
+      if (!roles.together()) {
+        EXPECT_EQ(roles.producers + roles.consumers, roles.workers) << scenario.name;
       }
     }
   }
-  const Cast three_to_one = scenario_at("3x1").cast(99);
-  EXPECT_EQ(three_to_one.threads, 4U);
+  const Roles three_to_one = scenario_at("3x1").roles(99);
+  EXPECT_EQ(three_to_one.workers, 4U);
   EXPECT_EQ(three_to_one.producers, 3U);
   EXPECT_EQ(scenario_at("3x1").name(), "3x1");
 }
@@ -85,12 +85,12 @@ TEST(Scenarios, CastsAddUp) {
 TEST(Scenarios, OnlyWhatTheClaimsAllow) {
   const Claims one_producer{.producers = Callers::one};
   const Claims own{.producers = Callers::own_worker, .consumers = Callers::own_worker};
-  EXPECT_EQ(obstacle(scenario_at("fan-out").cast(4), one_producer), "");
-  EXPECT_NE(obstacle(scenario_at("fan-in").cast(4), one_producer), "");
-  EXPECT_EQ(obstacle(scenario_at("pairs").cast(4), own), "");
-  EXPECT_NE(obstacle(scenario_at("1x1").cast(2), own), "");
-  EXPECT_NE(obstacle(scenario_at("ping-pong").cast(2), own), "");
-  EXPECT_EQ(obstacle(scenario_at("8x8").cast(2), Claims{}), "");
+  EXPECT_EQ(obstacle(scenario_at("fan-out").roles(4), one_producer), "");
+  EXPECT_NE(obstacle(scenario_at("fan-in").roles(4), one_producer), "");
+  EXPECT_EQ(obstacle(scenario_at("pairs").roles(4), own), "");
+  EXPECT_NE(obstacle(scenario_at("1x1").roles(2), own), "");
+  EXPECT_NE(obstacle(scenario_at("ping-pong").roles(2), own), "");
+  EXPECT_EQ(obstacle(scenario_at("8x8").roles(2), Claims{}), "");
 }
 
 TEST(Plan, BaselinesAreThereByDefaultAndByTheirName) {
@@ -135,7 +135,7 @@ Plan plan_of_many() {
 }
 
 std::string text_of(const Row& row) {
-  return row.queue + ' ' + row.scenario + ' ' + std::to_string(row.cast.threads) + ' ' +
+  return row.queue + ' ' + row.scenario + ' ' + std::to_string(row.cast.workers) + ' ' +
          std::to_string(row.work_ns) + ' ' + row.placement.text;
 }
 
@@ -148,7 +148,7 @@ TEST(Plan, EveryCombinationThatTheClaimsAllowOnce) {
   std::set<std::string> rows;
   for (const Row& row : all.rows) {
     EXPECT_TRUE(rows.insert(text_of(row)).second) << text_of(row);
-    EXPECT_EQ(row.oversubscribed, row.cast.threads == 32) << text_of(row);
+    EXPECT_EQ(row.oversubscribed, row.cast.workers == 32) << text_of(row);
   }
   // pairs: 3 queues, 4 thread counts; fan-in: 2 queues, 3 counts; 2x3: 2 queues; times 4.
   EXPECT_EQ(rows.size(), (3 * 4 + 2 * 3 + 2) * 4U);
@@ -218,7 +218,7 @@ TEST(Plan, OnlyRatesAreTakenInTurns) {
   const Plan plan;
   EXPECT_GT(job_of(plan, {}, 0, {}, Pass::plain).turns, 1U);
   Row crowded;
-  crowded.cast.threads = 3;
+  crowded.cast.workers = 3;
   crowded.placement.processors = {0, 1};
   EXPECT_LT(job_of(plan, crowded, 0, {}, Pass::plain).turns,
             job_of(plan, {}, 0, {}, Pass::plain).turns);

@@ -82,20 +82,20 @@ TEST(Scenarios, KeepARightQueueRight) {
   }
 }
 
-TEST(Cast, RespectsTheClaims) {
+TEST(Roles, RespectsTheClaims) {
   for (const Callers producers : {Callers::one, Callers::many, Callers::own_worker}) {
     for (const Callers consumers : {Callers::one, Callers::many, Callers::own_worker}) {
       const Claims claims{.producers = producers, .consumers = consumers};
       for (const Scenario& scenario : scenarios()) {
-        const Cast cast = cast_for(scenario, claims);
+        const Roles roles = roles_for(scenario, claims);
         unsigned pushers = 0;
         unsigned poppers = 0;
         bool all_do_both = true;
-        for (unsigned w = 0; w < cast.workers; ++w) {
-          pushers += cast.pushes(w) ? 1 : 0;
-          poppers += cast.pops(w) ? 1 : 0;
-          all_do_both = all_do_both && cast.pushes(w) && cast.pops(w);
-          EXPECT_TRUE(cast.pushes(w) || cast.pops(w)) << scenario.name;
+        for (unsigned w = 0; w < roles.workers; ++w) {
+          pushers += roles.pushes(w) ? 1 : 0;
+          poppers += roles.pops(w) ? 1 : 0;
+          all_do_both = all_do_both && roles.pushes(w) && roles.pops(w);
+          EXPECT_TRUE(roles.pushes(w) || roles.pops(w)) << scenario.name;
         }
         EXPECT_GE(pushers, 1U);
         EXPECT_GE(poppers, 1U);
@@ -108,15 +108,15 @@ TEST(Cast, RespectsTheClaims) {
   }
 }
 
-TEST(Cast, HasNoMoreWorkersThanTheQueueIsFor) {
+TEST(Roles, HasNoMoreWorkersThanTheQueueIsFor) {
   for (const Callers callers : {Callers::one, Callers::many, Callers::own_worker}) {
     for (unsigned most = 1; most <= 5; ++most) {
       const Claims claims{.producers = callers, .consumers = callers, .max_workers = most};
       for (const Scenario& scenario : scenarios()) {
-        const Cast cast = cast_for(scenario, claims);
-        EXPECT_LE(cast.workers, most) << scenario.name;
-        EXPECT_GE(cast.pushers, 1U) << scenario.name;
-        EXPECT_GE(cast.poppers, 1U) << scenario.name;
+        const Roles roles = roles_for(scenario, claims);
+        EXPECT_LE(roles.workers, most) << scenario.name;
+        EXPECT_GE(roles.producers, 1U) << scenario.name;
+        EXPECT_GE(roles.consumers, 1U) << scenario.name;
       }
     }
   }
