@@ -80,7 +80,8 @@ struct Linked {
     bool pop(unsigned worker, T& task) {
       for (;;) {
         Node* first = protect(worker, 0, head_);
-        Node* last = tail_.load(std::memory_order_relaxed);
+        // In one order with the scan: who then still finds `first` in the tail has its hazard seen.
+        Node* last = tail_.load();
         Node* next = protect(worker, 1, first->next);
         if (head_.load() != first) continue;
         if (next == nullptr) {
