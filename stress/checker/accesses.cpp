@@ -19,6 +19,8 @@ std::uintptr_t sleepers_of(std::uintptr_t address) {
 
 // What S and W of a shape write and read.
 constexpr std::uintptr_t signal_address = (std::uintptr_t{1} << 63U) | 64U;
+// Where meet() counts.
+constexpr std::uintptr_t barrier_address = (std::uintptr_t{1} << 63U) | 192U;
 // The clock of tick().
 constexpr std::uintptr_t clock_address = (std::uintptr_t{1} << 63U) | 128U;
 
@@ -443,6 +445,20 @@ void Execution::await_signal() {
   read_event(
       {signal_address, 4, nullptr, Order::acquire, Order::acquire}, false,
       [](Value value) { return value == 0 ? Meaning::wait : Meaning::load; },
+      [](Value value) { return value; });
+}
+
+void Execution::meet(unsigned threads) {
+  reach(barrier_address, true);
+  const Value before = read_event(
+      {barrier_address, 8, nullptr, Order::acq_rel, Order::relaxed}, true,
+      [](Value) { return Meaning::modify; }, [](Value value) { return value + 1; });
+  const Value all = (before / threads + 1) * threads;
+  if (before + 1 == all) return;
+  reach(barrier_address, false);
+  read_event(
+      {barrier_address, 8, nullptr, Order::acquire, Order::acquire}, false,
+      [all](Value value) { return value < all ? Meaning::wait : Meaning::load; },
       [](Value value) { return value; });
 }
 

@@ -14,6 +14,10 @@ class Deadline {
       : end_(Clock::now() +
              std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
 
+  /// Seconds until then.
+  [[nodiscard]] double left() const {
+    return std::chrono::duration<double>(end_ - Clock::now()).count();
+  }
   [[nodiscard]] bool passed() const { return Clock::now() >= end_; }
 
  private:

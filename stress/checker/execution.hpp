@@ -135,6 +135,9 @@ class Execution final : public virtual_cores::Tenant {
   /// For scenarios: lets those that await it go on; what came before happens before what they do.
   void signal();
   void await_signal();
+  /// For scenarios: waits until `threads` threads have come here as often as this one; what each
+  /// did before happens before what any does afterwards. While the threads run only.
+  void meet(unsigned threads);
   /// For scenarios: the time on a clock that all threads read in one order, and that makes nothing
   /// they did before visible to the others. From 1 on; 0 before and after the threads.
   std::uint64_t tick();

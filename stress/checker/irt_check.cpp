@@ -13,8 +13,10 @@
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/mutants_check.hpp"
+#include "stress/checker/parking.hpp"
 #include "stress/checker/parts.hpp"
 #include "stress/checker/queue_check.hpp"
+#include "stress/checker/scenario_search.hpp"
 #include "stress/checker/verdict.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
@@ -32,6 +34,7 @@ constexpr double seconds_for_old = 1200;
 struct CommandLine {
   std::string queue;
   std::string module;
+  std::string scenario;
   unsigned threads = 0;
   unsigned operations = 1;
   std::string strategy = "auto";
@@ -126,6 +129,12 @@ void prepare(CommandLine& line) {
       {"pos", checker::Search::pos}};
   if (line.real_time) settings.real_time = true;
   if (line.strategy != "auto") settings.search = searches.at(line.strategy);
+  if (!line.scenario.empty() && (settings.search == checker::Search::exhaustive ||
+                                 settings.search == checker::Search::bounded))
+    throw irt::UsageError(fmt::format(
+        "--strategy {}: scenarios are too large for it; they are sampled by pos, pct or "
+        "random",
+        line.strategy));
   for (const std::string& shape : settings.shapes) checker::parse_shape(shape);
   if (!line.shard.empty()) {
     checker::Options& options = settings.options;
@@ -152,6 +161,45 @@ int run_mutants(CommandLine& line) {
     throw irt::UsageError("--json with --mutants needs --default-search, whose results it keeps");
   line.kill.json = line.json_file;
   return kill_matrix(module, line.kill) ? 0 : 1;
+}
+
+constexpr const char* stale =
+    "The schedule finds nothing now: the code, its compiler or an option of the run (capacity, "
+    "--reuse, --spurious, --weak, --failing-allocations, --real-time) is not what it was.\n";
+
+int run_scenario(const CommandLine& line, const irt::QueueEntry& entry,
+                 irt::virtual_cores::Module& module, const std::string& command) {
+  const checker::CheckSettings& settings = line.settings;
+  if (!irt::stress::has_elements(entry.claims))
+    throw irt::UsageError(fmt::format(
+        "queue {} leaves too many bits of its elements unused for a scenario", entry.name));
+  const irt::stress::Scenario& scenario =
+      checker::scenario_at(line.scenario, checker::pop_waits_until_closed(entry, module));
+  if (!line.replay.empty()) {
+    const std::string report =
+        checker::replay(entry, module, scenario, settings, line.replay, line.dot_file);
+    std::cout << (report.empty() ? stale : report);
+    return report.empty() ? 0 : 1;
+  }
+  if (!settings.quiet)
+    fmt::print("{}: {}\nscenario {}: {}\n", entry.name, entry.summary, scenario.name,
+               scenario.summary);
+  const checker::ShapeResult result =
+      checker::sample_scenario(entry, module, scenario, settings, command);
+  if (result.result.finding) std::cout << '\n' << result.report;
+  if (!settings.quiet)
+    fmt::print("\n{}: {} in {} executions of scenario {}{}.\n", entry.name,
+               result.result.finding ? "a finding" : "nothing found", result.result.executions,
+               scenario.name, result.result.finding ? "" : "; samples prove nothing");
+  if (!line.json_file.empty())
+    std::ofstream(line.json_file) << json{{"queue", entry.name},
+                                          {"found", result.result.finding.has_value()},
+                                          {"seed", settings.options.seed},
+                                          {"capacity", settings.capacity},
+                                          {"shapes", json::array({to_json(result)})}}
+                                         .dump(2)
+                                  << '\n';
+  return result.result.finding ? 1 : 0;
 }
 
 int run(const CommandLine& line) {
@@ -183,15 +231,15 @@ int run(const CommandLine& line) {
     command +=
         fmt::format(" --failing-allocations {}", settings.options.limits.failing_allocations);
 
+  if (!line.scenario.empty())
+    return run_scenario(line, entry, module, command + " --scenario " + line.scenario);
   if (!line.replay.empty()) {
     if (settings.shapes.size() != 1)
       throw irt::UsageError("--replay needs the --shape it was found with");
     const std::string report = checker::replay(entry, module, settings, settings.shapes.front(),
                                                line.replay, line.dot_file);
     if (report.empty()) {
-      std::cout << "The schedule finds nothing now: the code, its compiler or an option of the run "
-                   "(capacity, --reuse, --spurious, --weak, --failing-allocations, --real-time) "
-                   "is not what it was.\n";
+      std::cout << stale;
       return 0;
     }
     std::cout << report;
@@ -245,11 +293,14 @@ int run(int argc, char** argv) {
   app.add_option("--module", line.module, "or a shared object made by irt_virtual_module()")
       ->check(CLI::ExistingFile)
       ->excludes(queue);
-  app.add_option(
+  auto* shapes = app.add_option(
       "--shape", settings.shapes,
       "threads as letters, e.g. EE|D|DE; E push, D pop, R pop one and push two, S signal, "
       "W wait for it, ...; EE:D|D pushes two first (all letters: docs/checker.md; default: a "
       "battery by the queue's claims)");
+  app.add_option("--scenario", line.scenario,
+                 "instead of shapes a scenario of `irt stress`, sampled (docs/stress.md has them)")
+      ->excludes(shapes);
   app.add_option("--threads", line.threads, "a shape of that many threads instead ...");
   app.add_option("--ops", line.operations, "... each with that many pushes, then as many pops");
   app.add_option("--strategy", line.strategy,

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "stress/checker/publication.hpp"
 #include "stress/history/specification.hpp"
 
 namespace irt::checker {
@@ -184,34 +185,15 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   return true;
 }
 
-std::vector<Moment> QueueClient::payload_moments(const Operation& push, const Operation& pop) {
-  const std::string what = "what " + std::to_string(push.value) + " points to";
-  const auto now = Execution::current_execution()->clock_of(pop.thread).count[pop.thread];
-  return {{push.thread, push.called.count[push.thread], nullptr, "writes " + what,
-           "races with the read of it by thread " + std::to_string(pop.thread)},
-          {pop.thread, now, nullptr, "reads " + what,
-           "races with the write of it by thread " + std::to_string(push.thread)}};
-}
-
-// What an element points to is plain memory that nothing else touches: it was written when the
-// thread had made the events that the push was called after, and is read now. So there is a race
-// exactly if the push's first event does not happen before here, and no memory is needed to tell.
 void QueueClient::take_payload(const Operation& pop) const {
-  Execution& execution = *Execution::current_execution();
-  if (!execution.limits().races) return;
   const auto push =
       std::find_if(operations_.rbegin(), operations_.rend(), [&pop](const Operation& o) {
         return o.kind == Operation::Kind::push && o.value == pop.value;
       });
-  if (push == operations_.rend() || push->thread == pop.thread) return;
-  if (execution.clock_of(pop.thread).count[push->thread] > push->called.count[push->thread]) return;
-  execution.report(FindingKind::data_race,
-                   "what thread " + std::to_string(push->thread) + " wrote before push " +
-                       std::to_string(push->value) + " and what thread " +
-                       std::to_string(pop.thread) +
-                       " read after the pop that returned it: the queue does not publish its "
-                       "elements",
-                   {}, payload_moments(*push, pop));
+  if (push == operations_.rend()) return;
+  const std::uint16_t called = push->called.count[push->thread];
+  if (!sees_what_precedes(push->thread, called))
+    report_unpublished(std::to_string(pop.value), push->thread, called);
 }
 
 std::size_t QueueClient::call(Operation::Kind kind, unsigned thread, unsigned worker) {

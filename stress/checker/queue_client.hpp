@@ -52,7 +52,6 @@ class QueueClient {
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
   void take_payload(const Operation& pop) const;
-  static std::vector<Moment> payload_moments(const Operation& push, const Operation& pop);
   std::size_t call(Operation::Kind kind, unsigned thread, unsigned worker);
   template <class Work>
   bool finish(std::size_t number, Work work);

@@ -21,9 +21,9 @@ std::string_view bytes_of(const T& value) {
 }
 
 void send(int line, Tag tag, const std::string& bytes) {
-  say(line, bytes_of(tag));
-  say(line, bytes_of(bytes.size()));
-  say(line, bytes);
+  irt::say(line, bytes_of(tag));
+  irt::say(line, bytes_of(bytes.size()));
+  irt::say(line, bytes);
 }
 
 void work_through(int line, std::uint64_t first, std::uint64_t step, const WorkerPool::Work& work) {

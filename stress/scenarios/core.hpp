@@ -1,8 +1,9 @@
 /// What a scenario's worker stands on: a real thread or a virtual core.
 ///
 /// Scenarios never touch threads, clocks or the queue themselves; whoever runs them derives from
-/// `Core` and says how to stamp, wait and meet. So the same file runs on real threads and on
-/// virtual cores.
+/// `Core` and says how to stamp, wait and meet. So the same file runs on real threads
+/// (`threads/thread_core.hpp`) and on the virtual cores of the checker
+/// (`checker/virtual_core.hpp`).
 #pragma once
 
 #include <algorithm>
@@ -128,7 +129,7 @@ class Core {
   bool push() {
     const Element e = next_element(state_.claims, state_.worker, state_.next_sequence);
     if (left_ > 0) --left_;
-    if (state_.payloads != nullptr) state_.payloads->write(e);
+    write_payload(e);
     const Stamp invoked = enter(Kind::push);
     const bool accepted = queue_.push(state_.worker, e);
     const Stamp returned = leave();
@@ -146,9 +147,7 @@ class Core {
     const Stamp returned = leave();
     state_.log.push_back({invoked, returned, e, found ? Kind::pop : Kind::empty});
     if (!found) return std::nullopt;
-    if (state_.payloads != nullptr && !state_.payloads->holds(e) &&
-        state_.unpublished == no_element)
-      state_.unpublished = e;
+    if (!sees_payload(e) && state_.unpublished == no_element) state_.unpublished = e;
     return e;
   }
 
@@ -186,6 +185,14 @@ class Core {
   virtual Stamp enter(Kind kind) = 0;
   /// It has ended; returns the moment.
   virtual Stamp leave() = 0;
+  /// What `e` points to is written, before its push; it is read, after its pop: whether it is
+  /// there.
+  virtual void write_payload(Element e) {
+    if (state_.payloads != nullptr) state_.payloads->write(e);
+  }
+  virtual bool sees_payload(Element e) {
+    return state_.payloads == nullptr || state_.payloads->holds(e);
+  }
   /// The barrier of all workers.
   virtual void wait_for_all() = 0;
   /// Ends the share of operations early.
