@@ -1,12 +1,13 @@
 /// What a shared object shows so that a tool may use its queue.
 ///
-/// `irt_add_plugin()` writes the source file that defines it; nobody else needs this header.
+/// `irt_add_plugin()` writes the source file that defines it; only who opens it needs this header.
 /// The descriptor is plain data at one C symbol. A tool compares `magic`, `abi_version`, the sizes
 /// and the standard library in this order and reads nothing behind them before all agree.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "queues/work_queue.hpp"
 
@@ -37,5 +38,24 @@ struct PluginDescriptor {
 
 /// The name of the descriptor in the shared object.
 inline constexpr const char* plugin_symbol = "irt_plugin";
+
+/// What keeps `descriptor` from being used here; empty if nothing does.
+inline std::string mismatch(const PluginDescriptor& descriptor) {
+  if (descriptor.magic != plugin_magic)
+    return std::string("its symbol '") + plugin_symbol + "' is no iRT descriptor";
+  if (descriptor.abi_version != plugin_abi_version)
+    return "built for plug-in ABI " + std::to_string(descriptor.abi_version) + ", this tool has " +
+           std::to_string(plugin_abi_version);
+  if (descriptor.descriptor_bytes != sizeof(PluginDescriptor) ||
+      descriptor.entry_bytes != sizeof(QueueEntry) || descriptor.claims_bytes != sizeof(Claims))
+    return "its structures have other sizes than this tool's";
+  if (descriptor.standard_library != plugin_standard_library)
+    return std::string("built with another C++ standard library than ") +
+           plugin_standard_library.data();
+  const QueueEntry& entry = descriptor.entry;
+  if (entry.name.empty() || entry.make_task_queue == nullptr || entry.make_word_queue == nullptr)
+    return "its descriptor has no name or no factory";
+  return {};
+}
 
 }  // namespace irt

@@ -39,25 +39,6 @@ const Registered& registered() {
   return all;
 }
 
-/// What keeps `descriptor` from being used here; empty if nothing does.
-std::string mismatch(const PluginDescriptor& descriptor) {
-  if (descriptor.magic != plugin_magic)
-    return std::string("its symbol '") + plugin_symbol + "' is no iRT descriptor";
-  if (descriptor.abi_version != plugin_abi_version)
-    return "built for plug-in ABI " + std::to_string(descriptor.abi_version) + ", this tool has " +
-           std::to_string(plugin_abi_version);
-  if (descriptor.descriptor_bytes != sizeof(PluginDescriptor) ||
-      descriptor.entry_bytes != sizeof(QueueEntry) || descriptor.claims_bytes != sizeof(Claims))
-    return "its structures have other sizes than this tool's";
-  if (descriptor.standard_library != plugin_standard_library)
-    return std::string("built with another C++ standard library than ") +
-           plugin_standard_library.data();
-  const QueueEntry& entry = descriptor.entry;
-  if (entry.name.empty() || entry.make_task_queue == nullptr || entry.make_word_queue == nullptr)
-    return "its descriptor has no name or no factory";
-  return {};
-}
-
 const QueueEntry* find_in(std::span<const QueueEntry> entries, std::string_view name) {
   const auto found = std::find_if(entries.begin(), entries.end(),
                                   [name](const QueueEntry& entry) { return entry.name == name; });

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "bench/counted/atomic_events.hpp"
+#include "queues/plugin.hpp"
 
 namespace irt {
 
@@ -31,9 +32,9 @@ const QueueEntry* counted_queue(std::string_view name) {
   atomic_events();  // so that the linker keeps the runtime, which the object needs
   void* object = dlopen(found->file, RTLD_NOW | RTLD_LOCAL);
   if (object == nullptr) throw std::runtime_error(dlerror());
-  const auto entry = reinterpret_cast<const QueueEntry* (*)()>(dlsym(object, "irt_queue_entry"));
-  if (entry == nullptr) throw std::runtime_error(dlerror());
-  return entry();
+  const auto* descriptor = static_cast<const PluginDescriptor*>(dlsym(object, plugin_symbol));
+  if (descriptor == nullptr) throw std::runtime_error(dlerror());
+  return &descriptor->entry;
 }
 
 }  // namespace irt

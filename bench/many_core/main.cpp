@@ -17,16 +17,17 @@ namespace {
 struct Arguments {
   SweepOptions sweep;
   std::string cores = "1..128", placement = "close", scenario = "pairs";
+  std::vector<std::string> plugins;
   double milliseconds = 1;
   bool validate = false, sensitivity = false, list = false;
 };
 
-int list() {
+int list(const virtual_cores::QueueModules& queues) {
   fmt::print("machines (bench/many_core/profiles)\n");
   for (const Profile& profile : profiles())
     fmt::print("  {:<22} {:>4} threads  {}\n", profile.name, profile.threads(), profile.summary);
   fmt::print("queues\n");
-  for (const std::string& name : queue_names()) fmt::print("  {}\n", name);
+  for (const std::string& name : queues.names()) fmt::print("  {}\n", name);
   fmt::print("primitives\n");
   for (const auto& [name, summary] : primitives()) fmt::print("  {:<22} {}\n", name, summary);
   return 0;
@@ -46,6 +47,8 @@ int run(int argc, char** argv) {
                      "machine's own)")
           ->delimiter(',');
   app.add_option("--queue,--queues", sweep.subjects, "queues (default: all)")->delimiter(',');
+  app.add_option("--plugin", arguments.plugins,
+                 "shared objects that irt_add_plugin() built, with further queues");
   app.add_option("--primitive", sweep.primitives, "what cores compete for, instead of queues")
       ->delimiter(',');
   app.add_option("--cores,--threads", arguments.cores,
@@ -84,7 +87,8 @@ int run(int argc, char** argv) {
   refuse_empty(app);
   tell_in_one_line(app, "irt simulate");
   if (const auto code = parse(app, argc, argv)) return *code;
-  if (arguments.list) return list();
+  for (const std::string& plugin : arguments.plugins) sweep.queues.add(plugin);
+  if (arguments.list) return list(sweep.queues);
   sweep.cores = parse_cores(arguments.cores);
   sweep.scenario = parse_scenario(arguments.scenario);
   sweep.placement = parse_placement(arguments.placement);

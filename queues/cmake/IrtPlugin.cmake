@@ -1,9 +1,13 @@
 # irt_add_plugin(<name> <header> <class> [LINK <target>...])
 #
 # builds the queue <class> of <header> (relative to the calling CMakeLists.txt) into a shared object
-# <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. It is the
-# counterpart of irt_add_queue() for a queue that lives outside the tree; <header> needs no change
-# to move from one to the other.
+# <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. Beside it
+# lies <name>.virtual.so, the same queue on virtual cores, for the checker and the simulator; it is
+# left out where the irt that was found has none. It is the counterpart of irt_add_queue() for a
+# queue that lives outside the tree; <header> needs no change to move from one to the other.
+#
+# Both are compiled as the queues of the tree are, with -O2 and assertions, whatever the build type:
+# figures compare.
 function(irt_add_plugin name header class)
   cmake_parse_arguments(PARSE_ARGV 3 ARG "" "" "LINK")
   if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
@@ -23,4 +27,14 @@ function(irt_add_plugin name header class)
   set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}
     CXX_VISIBILITY_PRESET hidden)
   target_link_libraries(${target} PRIVATE irt::queues ${ARG_LINK})
+  target_compile_options(${target} PRIVATE -O2 -UNDEBUG)
+  set(has_virtual_cores FALSE)
+  if(TARGET irt_virtual_cores)  # in the tree, plug-ins only serve tests on real threads
+    get_target_property(has_virtual_cores irt_virtual_cores IMPORTED)
+  endif()
+  if(has_virtual_cores)
+    irt_virtual_module(irt_virtual_plugin_${name} SOURCES ${source} LINK irt::queues ${ARG_LINK}
+      OPTIONS -O2 -UNDEBUG OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.virtual.so)
+    add_dependencies(${target} irt_virtual_plugin_${name})
+  endif()
 endfunction()

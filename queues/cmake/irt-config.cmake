@@ -1,5 +1,30 @@
-# find_package(irt): the contract of a queue as `irt::queues`, and irt_add_plugin().
+# find_package(irt): the contract of a queue as `irt::queues`, irt_add_plugin() and, where it was
+# built with virtual cores, irt_virtual_module().
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 include(${CMAKE_CURRENT_LIST_DIR}/irt-targets.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/IrtPlugin.cmake)
+
+# Installed side by side: PREFIX/share/cmake/irt, PREFIX/include/irt, PREFIX/lib.../irt.
+get_filename_component(irt_prefix ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
+file(GLOB irt_runtime ${irt_prefix}/lib*/irt/libirt_virtual_cores.so
+  ${irt_prefix}/lib/*/irt/libirt_virtual_cores.so)
+find_program(IRT_OBJCOPY NAMES ${CMAKE_OBJCOPY} objcopy)
+if(irt_runtime AND IRT_OBJCOPY AND NOT TARGET irt_virtual_cores)
+  get_filename_component(irt_folder ${irt_runtime} DIRECTORY)
+  add_library(irt_virtual_cores SHARED IMPORTED GLOBAL)
+  set_target_properties(irt_virtual_cores PROPERTIES IMPORTED_LOCATION ${irt_runtime}
+    IRT_REDIRECTIONS ${irt_folder}/redirected.syms IRT_ROOT ${irt_prefix}/include/irt)
+  add_library(irt_virtual_library STATIC IMPORTED GLOBAL)
+  set_target_properties(irt_virtual_library PROPERTIES
+    IMPORTED_LOCATION ${irt_folder}/libirt_virtual_library.a)
+  # GCC loads only plug-ins that were built for it.
+  if(EXISTS ${irt_folder}/irt_announcer.so AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_library(irt_announcer MODULE IMPORTED GLOBAL)
+    set_target_properties(irt_announcer PROPERTIES IRT_FILE ${irt_folder}/irt_announcer.so)
+  endif()
+  include(${CMAKE_CURRENT_LIST_DIR}/IrtVirtual.cmake)
+endif()
+unset(irt_runtime)
+unset(irt_folder)
+unset(irt_prefix)

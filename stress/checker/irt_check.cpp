@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "queues/nearest.hpp"
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/mutants_check.hpp"
@@ -22,6 +23,7 @@
 #include "stress/running/program.hpp"
 #include "stress/running/shard.hpp"
 #include "stress/running/usage_error.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace {
 
@@ -33,6 +35,7 @@ constexpr double seconds_for_old = 1200;
 
 struct CommandLine {
   std::string queue;
+  std::vector<std::string> plugins;
   std::string module;
   std::string scenario;
   unsigned threads = 0;
@@ -55,16 +58,27 @@ std::filesystem::path own_directory() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-std::vector<std::string> queue_names() {
-  std::vector<std::string> names;
-  constexpr std::string_view prefix = "irt_checked_";
-  for (const auto& file : std::filesystem::directory_iterator(own_directory())) {
-    const std::string name = file.path().filename().string();
-    if (name.starts_with(prefix) && name.ends_with(".so"))
-      names.push_back(name.substr(prefix.size(), name.size() - prefix.size() - 3));
+std::string no_such_queue(const std::string& name,
+                          const irt::virtual_cores::QueueModules& modules) {
+  const std::vector<std::string> known = modules.names();
+  return irt::unknown_name("queue", name,
+                           std::vector<std::string_view>(known.begin(), known.end()));
+}
+
+/// The module that the line asks for: a file, a queue of the tree or of a plug-in.
+std::string module_of(CommandLine& line) {
+  if (!line.module.empty()) return line.module;
+  irt::virtual_cores::QueueModules modules;
+  for (const std::string& plugin : line.plugins) {
+    const std::string name = modules.add(plugin);
+    if (line.queue.empty() && line.plugins.size() == 1) line.queue = name;
   }
-  std::sort(names.begin(), names.end());
-  return names;
+  if (line.queue.empty())
+    throw irt::UsageError(
+        fmt::format("which queue? --queue takes one of {}", fmt::join(modules.names(), ", ")));
+  const auto* const file = modules.find(line.queue);
+  if (file == nullptr) throw irt::UsageError(no_such_queue(line.queue, modules));
+  return *file;
 }
 
 json to_json(const checker::ShapeResult& s) {
@@ -145,13 +159,7 @@ void prepare(CommandLine& line) {
     // One part might find that equal threads are not, and the others, elsewhere, rely on it.
     options.symmetry = false;
   }
-  if (line.module.empty()) {
-    const std::vector<std::string> names = queue_names();
-    if (std::find(names.begin(), names.end(), line.queue) == names.end())
-      throw irt::UsageError(fmt::format("--queue \"{}\": no such queue; there are {}", line.queue,
-                                        fmt::join(names, ", ")));
-    line.module = own_directory() / ("irt_checked_" + line.queue + ".so");
-  }
+  line.module = module_of(line);
 }
 
 int run_mutants(CommandLine& line) {
@@ -204,7 +212,7 @@ int run_scenario(const CommandLine& line, const irt::QueueEntry& entry,
 
 int run(const CommandLine& line) {
   irt::virtual_cores::Module module(line.module);
-  const irt::QueueEntry& entry = *module.function<const irt::QueueEntry*()>("irt_queue_entry")();
+  const irt::QueueEntry& entry = irt::virtual_cores::queue_of(module);
   if (!entry.claims.carries_elements)
     throw irt::UsageError(fmt::format(
         "queue {} only counts and carries nothing; irt bench alone can use it", entry.name));
@@ -218,7 +226,9 @@ int run(const CommandLine& line) {
                       line.threads, entry.name));
     settings.shapes.push_back(shape);
   }
-  std::string command = "irt check --queue " + std::string(entry.name);
+  std::string command = "irt check";
+  for (const std::string& plugin : line.plugins) command += " --plugin " + plugin;
+  command += " --queue " + std::string(entry.name);
   if (line.queue.empty()) command = "irt check --module " + line.module;
   if (settings.capacity != checker::CheckSettings{}.capacity)
     command += fmt::format(" --capacity {}", settings.capacity);
@@ -290,9 +300,12 @@ int run(int argc, char** argv) {
       "pass means."};
   app.name("irt check");
   auto* queue = app.add_option("--queue", line.queue, "a queue of `irt list`");
+  auto* plugins = app.add_option("--plugin", line.plugins,
+                                 "shared objects that irt_add_plugin() built, with further queues");
   app.add_option("--module", line.module, "or a shared object made by irt_virtual_module()")
       ->check(CLI::ExistingFile)
-      ->excludes(queue);
+      ->excludes(queue)
+      ->excludes(plugins);
   auto* shapes = app.add_option(
       "--shape", settings.shapes,
       "threads as letters, e.g. EE|D|DE; E push, D pop, R pop one and push two, S signal, "
@@ -368,9 +381,6 @@ int run(int argc, char** argv) {
   settings.no_memory = failing->count() == 0;
   if (settings.old && seconds->count() == 0) settings.seconds = seconds_for_old;
   if (!line.merge.empty()) return merge(line.merge);
-  if (!line.mutants && line.queue.empty() && line.module.empty())
-    throw irt::UsageError(
-        fmt::format("which queue? --queue takes one of {}", fmt::join(queue_names(), ", ")));
   if (line.mutants) return run_mutants(line);
   prepare(line);
   return run(line);

@@ -7,6 +7,7 @@
 
 #include "bench/many_core/renderer/replay_client.hpp"
 #include "queues/work_queue.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::many_core {
 namespace {
@@ -107,7 +108,7 @@ void Player::choose_contributions() {
 }
 
 void Player::make() {
-  const QueueEntry& entry = *queue_module_.function<const QueueEntry*()>("irt_queue_entry")();
+  const QueueEntry& entry = virtual_cores::queue_of(queue_module_);
   if (options_.threads > 1 && (entry.claims.one_producer() || entry.claims.one_consumer())) {
     throw std::runtime_error("the queue " + std::string(entry.name) +
                              " lets one thread push or pop at a time; it is replayed with one "

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 struct Arguments {
   std::string machine = "xeon-7400";
-  std::vector<std::string> queues, scenes;
+  std::vector<std::string> queues, plugins, scenes;
   std::vector<std::uint32_t> task_sizes{256};
   std::string cores, termination, placement = "close";
   WorkloadOptions workload;
@@ -35,6 +35,8 @@ void add_options(CLI::App& app, Arguments& given) {
   app.add_option("--machine", given.machine, "a profile, or its file")->capture_default_str();
   app.add_option("--queue,--queues", given.queues, "work queues (default: the thesis' three)")
       ->delimiter(',');
+  app.add_option("--plugin", given.plugins,
+                 "shared objects that irt_add_plugin() built, with further queues");
   app.add_option(
       "--cores", given.cores,
       "as 1..24 (in steps of about a half) or 1,2,4 (default: powers of two, up to all)");
@@ -113,6 +115,13 @@ void settle(Arguments& given, const QueueRegistry& registry) {
   parse_placement(given.placement);
 }
 
+std::vector<std::filesystem::path> modules_of(const std::vector<std::string>& queues,
+                                              const virtual_cores::QueueModules& modules) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& queue : queues) files.push_back(module_of_queue(modules, queue));
+  return files;
+}
+
 void print(const std::vector<Json>& runs) {
   fmt::print("simulated on {}; work x {:.3g}, a task {:.3g} us on average\n",
              runs.front()["machine"].get<std::string>(), runs.front()["work_scale"].get<double>(),
@@ -153,9 +162,9 @@ void print_comparison(const std::vector<Json>& runs) {
 }
 
 // Simulates one workload at every pace, prints what comes out and returns it.
-std::vector<Json> simulate_workload(const WorkloadOptions& options, const Arguments& given,
-                                    const Profile& profile, RendererSweep& sweeping,
-                                    const std::atomic<bool>& cancel) {
+std::vector<Json> simulate_workload(const WorkloadOptions& options, const QueueRegistry& registry,
+                                    const Arguments& given, const Profile& profile,
+                                    RendererSweep& sweeping, const std::atomic<bool>& cancel) {
   Workload workload(options);
   const Recording recording = record(workload, given.repetitions, cancel);
   if (cancel) return {};
@@ -171,7 +180,7 @@ std::vector<Json> simulate_workload(const WorkloadOptions& options, const Argume
   if (given.validate) {
     constexpr unsigned rounds = 5;
     sweeping.pace = {Pace::Kind::factor, 1};
-    all = validate_renderer(workload, profile, recording, sweeping, rounds, cancel);
+    all = validate_renderer(workload, registry, profile, recording, sweeping, rounds, cancel);
     if (talks) print_comparison(all);
     return all;
   }
@@ -195,7 +204,12 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
   tell_in_one_line(app, "irt simulate");
   const auto code = parse(app, std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   if (code) return *code;
-  const QueueRegistry registry;
+  QueueRegistry registry;
+  virtual_cores::QueueModules modules;
+  for (const std::string& plugin : given.plugins) {
+    registry.open(plugin);
+    modules.add(plugin);
+  }
   settle(given, registry);
   const Profile profile = load_profile(given.machine);
   if (given.validate && given.cores.empty()) given.cores = "1,2";
@@ -203,7 +217,7 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
   RendererSweep sweeping{
       .queues = given.queues,
       .cores = given.cores.empty() ? usual_cores(profile) : parse_cores(given.cores),
-      .modules = IRT_QUEUE_MODULES,
+      .modules = modules_of(given.queues, modules),
       .replay = {.replay_module = IRT_REPLAY_MODULE,
                  .frames = given.frames,
                  .placement = parse_placement(given.placement)},
@@ -216,7 +230,7 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
       options.scene = scene;
       options.task_size = task_size;
       check(options);
-      for (Json& run : simulate_workload(options, given, profile, sweeping, cancel)) {
+      for (Json& run : simulate_workload(options, registry, given, profile, sweeping, cancel)) {
         all.push_back(std::move(run));
       }
     }

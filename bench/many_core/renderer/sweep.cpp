@@ -106,8 +106,7 @@ std::vector<Json> sweep_renderer(const Profile& profile, const Recording& record
   std::map<std::pair<std::size_t, unsigned>, std::map<unsigned, Json>> results;
   const auto play = [&](std::size_t i) {
     ReplayOptions replaying = options.replay;
-    replaying.queue_module =
-        options.modules / fmt::format("irt_checked_{}.so", options.queues[keys[i].queue]);
+    replaying.queue_module = options.modules[keys[i].queue];
     replaying.threads = keys[i].cores;
     replaying.scale = scale_of(options.pace, recording, profile);
     return replay(profile, recording, replaying, keys[i].seed).dump();

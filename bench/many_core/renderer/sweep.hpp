@@ -31,8 +31,8 @@ double scale_of(const Pace& pace, const Recording& recording, const Profile& mac
 struct RendererSweep {
   std::vector<std::string> queues{};
   std::vector<unsigned> cores{};
-  std::filesystem::path modules{};  ///< directory of the queues' virtual modules
-  ReplayOptions replay{};           ///< but for its queue, threads and scale
+  std::vector<std::filesystem::path> modules{};  ///< of each queue, on virtual cores
+  ReplayOptions replay{};                        ///< but for its queue, threads and scale
   Pace pace{};
   unsigned seeds = 3;
   double seconds_per_point = 600;  ///< of this host; who takes longer hangs

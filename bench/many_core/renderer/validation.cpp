@@ -4,15 +4,15 @@
 
 #include "bench/frames/sample.hpp"
 #include "bench/statistics/averages.hpp"
-#include "queues/registry.hpp"
 
 namespace irt::many_core {
 
-std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload, const Profile& profile,
+std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload,
+                                                      const QueueRegistry& registry,
+                                                      const Profile& profile,
                                                       const Recording& recording,
                                                       const RendererSweep& options, unsigned rounds,
                                                       const std::atomic<bool>& cancel) {
-  const QueueRegistry registry;
   std::map<std::pair<std::string, unsigned>, std::vector<double>> seconds;
   for (unsigned round = 0; round < rounds; ++round) {
     for (const unsigned threads : options.cores) {

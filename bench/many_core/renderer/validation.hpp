@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/many_core/renderer/sweep.hpp"
+#include "queues/registry.hpp"
 
 namespace irt::many_core {
 
@@ -13,7 +14,9 @@ namespace irt::many_core {
 /// `profile` is this machine's. Measurements go round and round, `rounds` times some frames each.
 /// One object per queue and number of cores: queue, threads, measured_fps (median) with quartiles
 /// measured_low and measured_high, predicted_fps, ratio (predicted over measured).
-std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload, const Profile& profile,
+std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload,
+                                                      const QueueRegistry& registry,
+                                                      const Profile& profile,
                                                       const Recording& recording,
                                                       const RendererSweep& options, unsigned rounds,
                                                       const std::atomic<bool>& cancel);

@@ -66,7 +66,7 @@ std::string joined(const std::set<std::string>& names) {
 
 int sensitivity(const SweepOptions& options, const std::atomic<bool>& interrupted) {
   const std::vector<std::string> queues =
-      options.subjects.empty() ? queue_names() : options.subjects;
+      options.subjects.empty() ? options.queues.names() : options.subjects;
   if (queues.size() < 2) throw UsageError("--sensitivity compares queues: name two at least");
   std::deque<Variant> variants;
   std::vector<Task> tasks;
@@ -78,7 +78,7 @@ int sensitivity(const SweepOptions& options, const std::atomic<bool>& interrupte
         for (const std::string& queue : queues)
           tasks.push_back({&variant.profile,
                            {.subject = queue,
-                            .module = module_of(queue, false),
+                            .module = module_of_queue(options.queues, queue),
                             .scenario = options.scenario,
                             .threads = threads,
                             .producers = threads / 2,

@@ -38,12 +38,6 @@ std::filesystem::path primitives_module() {
   return build_directory() / "bench/many_core/workloads/irt_contended.so";
 }
 
-constexpr std::string_view queue_prefix = "irt_checked_";
-
-std::filesystem::path queue_module(const std::string& name) {
-  return build_directory() / "stress/checker" / (std::string(queue_prefix) + name + ".so");
-}
-
 unsigned parse_count(std::string_view text, std::string_view all) {
   unsigned value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -68,19 +62,6 @@ T parse_name(std::string_view kind, std::string_view name, const std::array<T, n
 
 }  // namespace
 
-std::vector<std::string> queue_names() {
-  std::vector<std::string> names;
-  const std::filesystem::path directory = build_directory() / "stress/checker";
-  if (!std::filesystem::is_directory(directory)) return names;
-  for (const auto& file : std::filesystem::directory_iterator(directory)) {
-    const std::string name = file.path().filename().string();
-    if (name.starts_with(queue_prefix) && name.ends_with(".so"))
-      names.push_back(name.substr(queue_prefix.size(), name.size() - queue_prefix.size() - 3));
-  }
-  std::ranges::sort(names);
-  return names;
-}
-
 std::vector<std::pair<std::string, std::string>> primitives() {
   const virtual_cores::Module module(primitives_module());
   std::vector<std::pair<std::string, std::string>> all;
@@ -90,16 +71,21 @@ std::vector<std::pair<std::string, std::string>> primitives() {
   return all;
 }
 
-std::filesystem::path module_of(const std::string& subject, bool primitive) {
-  std::vector<std::string> known = queue_names();
-  if (primitive) {
-    known.clear();
-    for (const auto& each : primitives()) known.push_back(each.first);
-  }
-  const std::vector<std::string_view> names(known.begin(), known.end());
-  if (std::ranges::find(names, subject) == names.end())
-    throw UsageError(unknown_name(primitive ? "primitive" : "queue", subject, names));
-  return primitive ? primitives_module() : queue_module(subject);
+std::filesystem::path module_of_queue(const virtual_cores::QueueModules& queues,
+                                      const std::string& name) {
+  if (const auto* file = queues.find(name)) return *file;
+  const std::vector<std::string> known = queues.names();
+  throw UsageError(
+      unknown_name("queue", name, std::vector<std::string_view>(known.begin(), known.end())));
+}
+
+std::filesystem::path module_of_primitive(const std::string& name) {
+  std::vector<std::string> known;
+  for (const auto& each : primitives()) known.push_back(each.first);
+  if (std::ranges::find(known, name) == known.end())
+    throw UsageError(
+        unknown_name("primitive", name, std::vector<std::string_view>(known.begin(), known.end())));
+  return primitives_module();
 }
 
 std::vector<unsigned> parse_cores(std::string_view text) {
@@ -227,7 +213,7 @@ namespace {
 std::optional<Claims> claims_of(const std::filesystem::path& file) {
   try {
     const virtual_cores::Module module(file);
-    return module.function<const QueueEntry*()>("irt_queue_entry")()->claims;
+    return virtual_cores::queue_of(module).claims;
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
@@ -248,18 +234,19 @@ std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile>
   for (const std::string& name : options.primitives) subjects.emplace_back(name, true);
   for (const std::string& name : options.subjects) subjects.emplace_back(name, false);
   if (subjects.empty())
-    for (const std::string& name : queue_names()) subjects.emplace_back(name, false);
+    for (const std::string& name : options.queues.names()) subjects.emplace_back(name, false);
   std::vector<Task> tasks;
   for (const Profile& profile : profiles) {
     for (const auto& [name, primitive] : subjects) {
-      Point point{.subject = name,
-                  .module = module_of(name, primitive),
-                  .scenario = primitive ? Scenario::primitive : options.scenario,
-                  .work_ns = options.work_ns,
-                  .capacity = options.capacity,
-                  .placement = options.placement,
-                  .warm_up_ns = options.measured_ns / 5,
-                  .measured_ns = options.measured_ns};
+      Point point{
+          .subject = name,
+          .module = primitive ? module_of_primitive(name) : module_of_queue(options.queues, name),
+          .scenario = primitive ? Scenario::primitive : options.scenario,
+          .work_ns = options.work_ns,
+          .capacity = options.capacity,
+          .placement = options.placement,
+          .warm_up_ns = options.measured_ns / 5,
+          .measured_ns = options.measured_ns};
       for (const unsigned threads : options.cores) {
         point.threads = threads;
         if (point.scenario == Scenario::sides && threads < 2) continue;

@@ -14,10 +14,12 @@
 
 #include "bench/many_core/workloads/point.hpp"
 #include "stress/running/usage_error.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::many_core {
 
 struct SweepOptions {
+  virtual_cores::QueueModules queues;  ///< there are
   std::vector<std::string> machines{"granite-rapids-96"}, subjects, primitives;
   std::vector<unsigned> cores;
   Scenario scenario = Scenario::pairs;
@@ -32,11 +34,12 @@ struct SweepOptions {
   bool resume = false;
 };
 
-/// The queues that were built for virtual cores; the primitives, with a line on each.
-std::vector<std::string> queue_names();
+/// The primitives, with a line on each.
 std::vector<std::pair<std::string, std::string>> primitives();
-/// Where the code of a queue or primitive is. Throws UsageError that names the nearest.
-std::filesystem::path module_of(const std::string& subject, bool primitive);
+/// Where the code of a queue or primitive is. Throw UsageError that names the nearest.
+std::filesystem::path module_of_queue(const virtual_cores::QueueModules& queues,
+                                      const std::string& name);
+std::filesystem::path module_of_primitive(const std::string& name);
 
 /// "1..128" or "1,2,4". Throws UsageError, as the others do.
 std::vector<unsigned> parse_cores(std::string_view text);

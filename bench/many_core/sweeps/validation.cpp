@@ -33,12 +33,13 @@ double factor(double a, double b) {
   return a > b ? a / b : b / a;
 }
 
-bool available(const std::string& subject, bool primitive) {
+// Where the code of a published subject is; nothing where it is not built for virtual cores.
+std::optional<std::filesystem::path> module_of(const SweepOptions& options,
+                                               const std::string& subject, bool primitive) {
   try {
-    module_of(subject, primitive);
-    return true;
+    return primitive ? module_of_primitive(subject) : module_of_queue(options.queues, subject);
   } catch (const UsageError&) {
-    return false;
+    return std::nullopt;
   }
 }
 
@@ -62,11 +63,12 @@ bool validate_here(const SweepOptions& options, const std::atomic<bool>& interru
   std::vector<Task> tasks;
   std::vector<const QueueEntry*> entries;
   for (const QueueEntry& entry : built_in_queues()) {
-    if (!entry.claims.many_to_many() || !available(std::string(entry.name), false)) continue;
+    const auto module = module_of(options, std::string(entry.name), false);
+    if (!entry.claims.many_to_many() || !module) continue;
     for (unsigned threads = 1; threads <= most; ++threads) {
       tasks.push_back({&profile,
                        {.subject = std::string(entry.name),
-                        .module = module_of(std::string(entry.name), false),
+                        .module = *module,
                         .scenario = Scenario::pairs,
                         .threads = threads,
                         .work_ns = options.work_ns},
@@ -140,15 +142,15 @@ int validate(const SweepOptions& options, const std::atomic<bool>& interrupted) 
   if (!validate_here(options, interrupted)) return exit_interrupted;
   std::map<std::string, Profile> machines;
   std::vector<Published> all;
-  std::map<std::string, bool> there;
+  std::map<std::string, std::optional<std::filesystem::path>> modules;
   for (const Json& row : read_published()) {
     const std::string machine = row["machine"], subject = row["queue"];
     const Scenario scenario = row["scenario"] == "primitive"
                                   ? Scenario::primitive
                                   : parse_scenario(row["scenario"].get<std::string>());
-    const auto [known, fresh] = there.try_emplace(subject, false);
+    const auto [known, fresh] = modules.try_emplace(subject);
     if (fresh) {
-      known->second = available(subject, scenario == Scenario::primitive);
+      known->second = module_of(options, subject, scenario == Scenario::primitive);
       if (!known->second)
         fmt::print("{}: published, but not built for virtual cores; left out\n", subject);
     }
@@ -158,7 +160,7 @@ int validate(const SweepOptions& options, const std::atomic<bool>& interrupted) 
     const bool sides = scenario == Scenario::sides;
     Task task{&machines.at(machine),
               {.subject = subject,
-               .module = module_of(subject, scenario == Scenario::primitive),
+               .module = *known->second,
                .scenario = scenario,
                .threads = sides ? producers + consumers : producers,
                .producers = producers,

@@ -13,6 +13,7 @@
 #include "queues/split_mix.hpp"
 #include "queues/work_queue.hpp"
 #include "renderer/engine/time_histogram.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::many_core {
 
@@ -90,7 +91,7 @@ class Run {
       object_ = primitive_->make(point_.threads);
       return;
     }
-    entry_ = module_.function<const QueueEntry*()>("irt_queue_entry")();
+    entry_ = &virtual_cores::queue_of(module_);
     queue_ = entry_->make_word_queue(point_.threads, point_.capacity).release();
     if (!entry_->claims.bounded) backlog_ = most_inside;
   }

@@ -40,7 +40,7 @@ inline Point primitive(const std::string& name, unsigned threads, double work_ns
 
 inline Point queue(const std::string& name, Scenario scenario, unsigned threads) {
   return {.subject = name,
-          .module = std::string(IRT_CHECKED_QUEUES) + "/irt_checked_" + name + ".so",
+          .module = std::string(IRT_QUEUE_MODULES) + "/" + name + ".so",
           .scenario = scenario,
           .threads = threads,
           .producers = threads / 2,

@@ -40,15 +40,10 @@ TEST_F(SimulateTest, EveryQueueHasItsHottestLines) {
 }
 
 TEST_F(SimulateTest, AModuleThatDoesNotLoadEndsNoSweep) {
-  const fs::path build = fs::path(IRT_SIMULATE).parent_path().parent_path().parent_path();
-  const fs::path tools = directory_ / "build/bench/many_core",
-                 modules = directory_ / "build/stress/checker";
-  fs::create_directories(tools);
-  fs::create_directories(modules);
-  fs::copy(IRT_SIMULATE, tools);
-  fs::create_symlink(build / "stress/checker/irt_checked_lock.so", modules / "irt_checked_lock.so");
-  std::ofstream(modules / "irt_checked_broken.so") << "no module";
-  RunningTool tool((tools / "irt-simulate").c_str(), sweep("broken,lock"));
+  std::ofstream(directory_ / "broken.virtual.so") << "no module";
+  Arguments arguments = sweep("broken,lock");
+  arguments.insert(arguments.end(), {"--plugin", (directory_ / "broken.so").string()});
+  RunningTool tool(IRT_SIMULATE, arguments);
   EXPECT_EQ(tool.wait(), 1) << tool.err();
   ASSERT_EQ(runs().size(), 4u);
   for (const auto& run : runs()) {

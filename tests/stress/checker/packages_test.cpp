@@ -5,14 +5,15 @@
 #include <string>
 
 #include "stress/checker/queue_client.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::checker {
 namespace {
 
 /// The finding on one shape; no kind if there is none.
 std::string finding(const std::string& name, const std::string& shape) {
-  virtual_cores::Module module(IRT_CHECKED_QUEUES "/irt_checked_" + name + ".so");
-  const QueueEntry& entry = *module.function<const QueueEntry*()>("irt_queue_entry")();
+  virtual_cores::Module module(IRT_QUEUE_MODULES "/" + name + ".so");
+  const QueueEntry& entry = virtual_cores::queue_of(module);
   QueueClient client(entry, parse_shape(shape), 0, &module);
   const Result result = check(client.scenario(), {.seconds = 20});
   EXPECT_TRUE(result.finished || result.finding) << name << " on " << shape;
@@ -20,7 +21,7 @@ std::string finding(const std::string& name, const std::string& shape) {
 }
 
 bool installed(const std::string& name) {
-  return std::filesystem::exists(IRT_CHECKED_QUEUES "/irt_checked_" + name + ".so");
+  return std::filesystem::exists(IRT_QUEUE_MODULES "/" + name + ".so");
 }
 
 TEST(Packages, libcds_moves_its_head_with_too_weak_an_order) {
@@ -38,8 +39,8 @@ TEST(Packages, boost_writes_a_free_list_over_what_others_read) {
   for (const std::string name : {"boost-lockfree", "boost-lockfree-fixed"}) {
     if (!installed(name)) GTEST_SKIP() << "libboost-dev is not installed";
     EXPECT_EQ(finding(name, "E:D|D"), "data race") << name;
-    virtual_cores::Module module(IRT_CHECKED_QUEUES "/irt_checked_" + name + ".so");
-    const QueueEntry& entry = *module.function<const QueueEntry*()>("irt_queue_entry")();
+    virtual_cores::Module module(IRT_QUEUE_MODULES "/" + name + ".so");
+    const QueueEntry& entry = virtual_cores::queue_of(module);
     QueueClient client(entry, parse_shape("EE:D|DD"), 0, &module);
     Options options{.seconds = 20};
     options.limits.races = false;

@@ -6,6 +6,7 @@
 #include "stress/checker/mutants_check.hpp"
 #include "stress/checker/scenario_search.hpp"
 #include "stress/running/usage_error.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::checker {
 namespace {
@@ -104,9 +105,8 @@ TEST_F(ScenariosOfMutants, JobsChangeNothing) {
 class ScenariosOfQueues : public testing::TestWithParam<const char*> {};
 
 TEST_P(ScenariosOfQueues, FindNothing) {
-  virtual_cores::Module module(std::string(IRT_CHECKED_QUEUES) + "/irt_checked_" + GetParam() +
-                               ".so");
-  const QueueEntry& entry = *module.function<const QueueEntry*()>("irt_queue_entry")();
+  virtual_cores::Module module(std::string(IRT_QUEUE_MODULES) + "/" + GetParam() + ".so");
+  const QueueEntry& entry = virtual_cores::queue_of(module);
   for (const stress::Scenario& scenario : stress::scenarios()) {
     if (scenario.generations != 1) continue;
     const ShapeResult result = sample_scenario(entry, module, scenario, quick(0.1), "");

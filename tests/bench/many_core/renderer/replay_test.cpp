@@ -29,9 +29,12 @@ Recording frame_of(std::uint32_t roots, float task_ns) {
 }
 
 RendererSweep options_for(std::vector<std::string> queues, std::vector<unsigned> cores) {
+  const virtual_cores::QueueModules known;
+  std::vector<std::filesystem::path> modules;
+  for (const std::string& queue : queues) modules.push_back(*known.find(queue));
   return {.queues = std::move(queues),
           .cores = std::move(cores),
-          .modules = IRT_QUEUE_MODULES,
+          .modules = std::move(modules),
           .replay = {.replay_module = IRT_REPLAY_MODULE},
           .pace = {Pace::Kind::factor, 1},
           .seeds = 1};

@@ -1,0 +1,90 @@
+# Code for virtual cores, in the tree and, installed, outside of it. Both have these targets:
+# irt_virtual_cores, the runtime, with the properties IRT_ROOT (what #include is relative to) and
+# IRT_REDIRECTIONS (a file for objcopy); irt_virtual_library, what of the C++ library comes into a
+# module; irt_announcer, where GCC's plug-in headers were there, with IRT_FILE.
+
+# Compiles a target for virtual cores. What the code is told of the compiler and the machine stays as
+# in any other build; -mcx16 lets Clang make calls of 16-byte atomics. Members of the C++ library's
+# templates come into the module instead of from compiled code.
+# With UNANNOUNCED it is without the plug-in, as where its headers are not installed.
+function(irt_virtual_options target)
+  get_target_property(root irt_virtual_cores IRT_ROOT)
+  target_include_directories(${target} PRIVATE ${root})
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -g -fsanitize=thread -U__SANITIZE_THREAD__
+    -D_GLIBCXX_EXTERN_TEMPLATE=0
+    "SHELL:-include ${root}/stress/virtual_cores/prelude.hpp"
+    -ftls-model=global-dynamic -fno-omit-frame-pointer $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>
+    $<$<CXX_COMPILER_ID:Clang>:-femulated-tls> $<$<CXX_COMPILER_ID:Clang>:-mcx16>
+    $<$<CXX_COMPILER_ID:Clang>:-U__GCC_HAVE_SYNC_COMPARE_AND_SWAP_16>)
+  # Calls that a compiler would expand into accesses which no hook announces.
+  foreach(name memcpy memmove mempcpy memset memcmp memchr bcmp bzero strlen strnlen strcmp strncmp
+      strcpy stpcpy strncpy strcat strncat strchr strrchr strstr)
+    target_compile_options(${target} PRIVATE -fno-builtin-${name})
+  endforeach()
+  if(TARGET irt_announcer AND NOT "UNANNOUNCED" IN_LIST ARGN)
+    get_target_property(plugin irt_announcer IRT_FILE)
+    target_compile_options(${target} PRIVATE -fplugin=${plugin} -DIRT_VC_ANNOUNCER)
+    get_target_property(imported irt_announcer IMPORTED)
+    if(NOT imported)
+      add_dependencies(${target} irt_announcer)
+      get_target_property(sources ${target} SOURCES)
+      set_property(SOURCE ${sources} APPEND PROPERTY OBJECT_DEPENDS ${plugin})
+    endif()
+  endif()
+endfunction()
+
+# irt_virtual_module(NAME SOURCES a.cpp ... [LINK interface-library ...] [OPTIONS flag ...]
+#                    [OUTPUT file] [UNANNOUNCED])
+#
+# Compiles the sources for virtual cores into the shared object OUTPUT, by default
+# ${CMAKE_CURRENT_BINARY_DIR}/NAME.so; the target is NAME, its property IRT_MODULE_FILE the path.
+# Only what is named irt_* with C linkage is exported.
+function(irt_virtual_module name)
+  cmake_parse_arguments(ARG "UNANNOUNCED" "OUTPUT" "SOURCES;LINK;OPTIONS" ${ARGN})
+  add_library(${name}_objects OBJECT EXCLUDE_FROM_ALL ${ARG_SOURCES})
+  target_link_libraries(${name}_objects PRIVATE ${ARG_LINK})
+  if(TARGET irt_options)
+    target_link_libraries(${name}_objects PRIVATE irt_options)
+  endif()
+  set(unannounced)
+  if(ARG_UNANNOUNCED)
+    set(unannounced UNANNOUNCED)
+  endif()
+  irt_virtual_options(${name}_objects ${unannounced})
+  target_compile_options(${name}_objects PRIVATE ${ARG_OPTIONS})
+  get_target_property(redirections irt_virtual_cores IRT_REDIRECTIONS)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.so)
+  if(ARG_OUTPUT)
+    set(file ${ARG_OUTPUT})
+  endif()
+  # Compiled libraries that the code needs; what they do is not seen.
+  set(libraries)
+  foreach(lib ${ARG_LINK})
+    get_target_property(needed ${lib} INTERFACE_LINK_LIBRARIES)
+    foreach(target ${lib} ${needed})
+      if(TARGET ${target})
+        get_target_property(type ${target} TYPE)
+        if(type STREQUAL "SHARED_LIBRARY" OR type STREQUAL "UNKNOWN_LIBRARY")
+          list(APPEND libraries $<TARGET_FILE:${target}>)
+        endif()
+      endif()
+    endforeach()
+  endforeach()
+  set(exports ${CMAKE_CURRENT_BINARY_DIR}/${name}.exports)
+  file(WRITE ${exports} "{ global: irt_*; local: *; };\n")
+  # The objects linked into one, what the C library's names stand for renamed, and that linked again.
+  set(merged ${CMAKE_CURRENT_BINARY_DIR}/${name}.merged.o)
+  set(renamed ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
+  add_custom_command(OUTPUT ${file}
+    COMMAND ${CMAKE_LINKER} -r -o ${merged} $<TARGET_OBJECTS:${name}_objects>
+    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} ${merged} ${renamed}
+    COMMAND ${CMAKE_CXX_COMPILER} -shared -o ${file} ${renamed}
+            -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic -Wl,--version-script=${exports}
+            $<TARGET_FILE:irt_virtual_library> $<TARGET_FILE:irt_virtual_cores> ${libraries}
+    DEPENDS ${name}_objects $<TARGET_OBJECTS:${name}_objects> irt_virtual_cores
+            irt_virtual_library
+    COMMAND_EXPAND_LISTS VERBATIM)
+  add_custom_target(${name} DEPENDS ${file})
+  set_target_properties(${name} PROPERTIES IRT_MODULE_FILE ${file})
+endfunction()
