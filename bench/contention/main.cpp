@@ -159,7 +159,6 @@ int run(int argc, char** argv) {
   Tool tool;
   tool.add_sweep(app);
   tool.add_compare(app);
-  refuse_empty(app);
   tell_in_one_line(app, "irt bench");
   if (const auto code = parse(app, argc, argv)) return *code;
   return tool.code;

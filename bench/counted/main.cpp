@@ -130,7 +130,6 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", options.json_file,
                  "write all figures to this file; - for standard output");
-  refuse_empty(app);
   if (const auto code = parse(app, argc, argv)) return *code;
   return measure(std::move(options));
 }

@@ -199,7 +199,6 @@ int run(int argc, char** argv) {
   app.add_option("--json", options.json_file,
                  "write all figures to this file; - for standard output");
   app.add_option("--measured", options.measured)->group("");
-  refuse_empty(app);
   if (const auto code = parse(app, argc, argv)) return *code;
   if (!options.measured.empty()) return be_measured(options);
   const QueueRegistry registry;

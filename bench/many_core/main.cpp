@@ -84,7 +84,6 @@ int run(int argc, char** argv) {
   app.add_flag("--sensitivity", arguments.sensitivity,
                "say which conclusions hold over the ranges of the machine's figures");
   app.add_flag("--list", arguments.list, "list machines, queues and primitives");
-  refuse_empty(app);
   tell_in_one_line(app, "irt simulate");
   if (const auto code = parse(app, argc, argv)) return *code;
   for (const std::string& plugin : arguments.plugins) sweep.queues.add(plugin);

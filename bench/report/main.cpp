@@ -41,7 +41,6 @@ int run(int argc, char** argv) {
   app.add_option("--out", options.out, "the page")->capture_default_str();
   app.add_option("--plots", options.plots,
                  "directory for the plots alone: SVG, PDF, data, gnuplot scripts");
-  refuse_empty(app);
   tell_in_one_line(app, "irt");
   if (const auto code = parse(app, argc, argv)) return *code;
   if (options.places.empty()) options.places.emplace_back("irt-out");

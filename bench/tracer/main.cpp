@@ -318,7 +318,6 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--json", options.json,
                  "write every single time to this file; - for standard output");
-  refuse_empty(app);
   if (const auto code = parse(app, argc, argv)) return *code;
   if (options.contestants.empty()) {
     for (const std::string_view name : usual_contestants()) options.contestants.emplace_back(name);

@@ -45,17 +45,48 @@ TEST(Arguments, AMistakeIsToldAndEndsInTwo) {
     CLI::App app("", "irt test");
     std::string value;
     app.add_option("--value", value);
-    refuse_empty(app);
     if (one_line) tell_in_one_line(app, "irt test");
-    EXPECT_EQ(parse(app, "--value x"), std::nullopt);
+    EXPECT_EQ(parse(app, {"--value", "x"}), std::nullopt);
     EXPECT_EQ(value, "x");
     testing::internal::CaptureStderr();
-    EXPECT_EQ(parse(app, std::vector<std::string>{"", "--value"}), 2);  // backwards
+    EXPECT_EQ(parse(app, {"--value", ""}), 2);
     const std::string said = testing::internal::GetCapturedStderr();
     EXPECT_NE(said.find("nothing is given"), std::string::npos) << said;
     EXPECT_EQ(said.starts_with("irt test: --value"), one_line) << said;
     EXPECT_EQ(std::ranges::count(said, '\n') == 1, one_line) << said;
   }
+}
+
+// What is said of a command line with a list and a number, and a list in a command of its own.
+std::string said_of(const std::vector<std::string>& arguments, int code) {
+  CLI::App app("", "irt test");
+  std::vector<std::string> names, inner;
+  std::vector<unsigned> numbers;
+  app.add_option("-q,--queue,--queues", names)->delimiter(',');
+  app.add_option("--threads", numbers)->delimiter(',');
+  app.add_subcommand("compare", "")->add_option("--scene", inner)->delimiter(',');
+  tell_in_one_line(app, "irt test");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse(app, arguments).value_or(0), code) << testing::PrintToString(arguments);
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Arguments, AListHasNoElementOfNothing) {
+  EXPECT_EQ(said_of({"--queue", "lock,"}, 2),
+            "irt test: --queue lock,: number 2 of the list is empty; write --queue lock\n");
+  EXPECT_EQ(said_of({"--queues=,lock,,lfree"}, 2),
+            "irt test: --queues ,lock,,lfree: number 1 of the list is empty; write --queues "
+            "lock,lfree\n");
+  EXPECT_EQ(said_of({"-qlock,,lfree"}, 2),
+            "irt test: -q lock,,lfree: number 2 of the list is empty; write -q lock,lfree\n");
+  EXPECT_EQ(said_of({"--threads", ","}, 2),
+            "irt test: --threads ,: number 1 of the list is empty; name a value, or leave the "
+            "option out\n");
+  EXPECT_EQ(said_of({"--queue", "lock", "--threads", "1", "2,"}, 2),
+            "irt test: --threads 2,: number 2 of the list is empty; write --threads 2\n");
+  EXPECT_EQ(said_of({"--threads", "1", "compare", "--scene", "office,"}, 2),
+            "irt test: --scene office,: number 2 of the list is empty; write --scene office\n");
+  EXPECT_EQ(said_of({"-q", "lock,lfree", "--threads=1,2", "compare", "--scene", "a,b"}, 0), "");
 }
 
 TEST(Shard, IsWrittenAsAFraction) {
