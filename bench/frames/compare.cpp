@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
-#include <tuple>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/commands.hpp"
@@ -160,16 +159,6 @@ void settle_length(Plan& plan, const std::vector<std::vector<double>>& frames, d
     const double fit = seconds / (sweep * plan.repetitions) - plan.warmup;
     plan.frames = static_cast<unsigned>(std::clamp(fit, 1.0, 1e6));
   }
-}
-
-// Whether two workloads must give the same picture to the last bit: they differ at most in how it
-// is made.
-bool same_picture(const WorkloadOptions& a, const WorkloadOptions& b) {
-  const auto picture = [](const WorkloadOptions& of) {
-    return std::tie(of.scene, of.shader, of.kernel, of.frame_buffer, of.width, of.height, of.depth,
-                    of.samples_per_pixel, of.animate);
-  };
-  return picture(a) == picture(b);
 }
 
 class Comparison {

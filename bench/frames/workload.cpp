@@ -146,6 +146,14 @@ void add_choices(nlohmann::ordered_json& run, const WorkloadOptions& options, re
   });
 }
 
+bool same_picture(const WorkloadOptions& a, const WorkloadOptions& b) {
+  const nlohmann::json one = a, other = b;
+  return std::ranges::all_of(results::fields, [&](const results::Field& field) {
+    const std::string key(field.key);
+    return !field.seen || one.at(key) == other.at(key);
+  });
+}
+
 bool uses_queue(const WorkloadOptions& options) {
   std::string name = options.task_system;
   return entry_of(task_systems(), name, "task system").uses_queue;

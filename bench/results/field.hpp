@@ -42,6 +42,7 @@ struct Field {
 
   bool tells_apart = false;  ///< runs that differ in it answer different questions
   Place place = Place::series;
+  bool seen = false;     ///< the picture shows it: who agrees in all such has the same, to the bit
   bool sweeps = false;   ///< a number that figures may be drawn over
   bool follows = false;  ///< from other choices, as a rule
 
@@ -53,6 +54,9 @@ struct Field {
 
   constexpr Field at(Place where) const {
     return with([=](Field& f) { f.place = where; });
+  }
+  constexpr Field in_picture() const {
+    return with([](Field& f) { f.seen = true; });
   }
   constexpr Field over() const {
     return with([](Field& f) { f.sweeps = true; });
