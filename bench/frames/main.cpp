@@ -67,7 +67,7 @@ class WorkloadArguments {
             "--size", [this](const std::string& text) { parse_size(text, options_); },
             "picture in pixels")
         ->default_str("300x300");
-    choice("--depth", &WorkloadOptions::depth, "bounces after which a path ends");
+    depth_ = choice("--depth", &WorkloadOptions::depth, "bounces after which a path ends");
     choice("--samples-per-pixel", &WorkloadOptions::samples_per_pixel, "primary rays per pixel");
   }
 
@@ -76,7 +76,16 @@ class WorkloadArguments {
     choice("--update", &WorkloadOptions::update, "how the BVH follows (default: auto)");
   }
 
-  // Once the command line is read, makes every combination of the lists a workload.
+  // Once the command line is read, makes every combination of the lists a workload. Throws
+  // UsageError.
+  void settle() const {
+    expand();
+    if (depth_ == nullptr || depth_->count() == 0) return;
+    if (workloads_ == nullptr) return require_bounces(options_);
+    for (const WorkloadOptions& workload : *workloads_) require_bounces(workload);
+  }
+
+ private:
   void expand() const {
     for (const Expansion& expansion : expansions_) {
       std::vector<WorkloadOptions> all;
@@ -85,15 +94,13 @@ class WorkloadArguments {
     }
   }
 
- private:
   // Appends `one` with each value of a list.
   using Expansion = std::function<void(const WorkloadOptions& one, std::vector<WorkloadOptions>&)>;
 
   template <class T>
-  void choice(const char* name, T WorkloadOptions::*field, const char* description) {
+  CLI::Option* choice(const char* name, T WorkloadOptions::*field, const char* description) {
     if (workloads_ == nullptr) {
-      command_.add_option(name, options_.*field, description)->capture_default_str();
-      return;
+      return command_.add_option(name, options_.*field, description)->capture_default_str();
     }
     CLI::Option* option = command_.add_option_function<std::vector<T>>(
         name,
@@ -108,12 +115,14 @@ class WorkloadArguments {
         std::string(description) + "; or a list");
     option->delimiter(',');
     if constexpr (std::is_integral_v<T>) option->default_str(std::to_string(options_.*field));
+    return option;
   }
 
   CLI::App& command_;
   WorkloadOptions& options_;
   std::vector<WorkloadOptions>* workloads_ = nullptr;
   std::vector<Expansion> expansions_;
+  const CLI::Option* depth_ = nullptr;
 };
 
 // What the commands share while the command line is read.
@@ -158,7 +167,10 @@ void add_render(CLI::App& app, Shared& shared, RenderOptions& options) {
   command.add_option("--trace", options.trace,
                      "write what each thread did when, for ui.perfetto.dev");
   shared.add_plugin(command);
-  command.final_callback([&] { shared.code = render(options, shared.queues); });
+  command.final_callback([&] {
+    workload.settle();
+    shared.code = render(options, shared.queues);
+  });
 }
 
 // The options that were set, by their long names with '_' for '-'.
@@ -220,7 +232,7 @@ void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
         options.plugins.push_back(std::filesystem::absolute(file).string());
       }
     }
-    workload.expand();
+    workload.settle();
     options.given = given(command);
     shared.code = compare(options, shared.queues);
   });
@@ -263,7 +275,10 @@ void add_overhead(CLI::App& app, Shared& shared, OverheadOptions& options) {
       ->capture_default_str()
       ->check(count_range);
   command.add_option("--json", options.json, "write the figures as JSON");
-  command.final_callback([&] { shared.code = overhead(options); });
+  command.final_callback([&] {
+    workload.settle();
+    shared.code = overhead(options);
+  });
 }
 
 int run(int argc, char** argv) {
@@ -279,7 +294,6 @@ int run(int argc, char** argv) {
   add_list(app, shared);
   add_collide(app, shared, colliding);
   add_overhead(app, shared, measuring);
-  refuse_empty(app);
   tell_in_one_line(app, "irt");
   if (const auto code = parse(app, argc, argv)) return *code;
   return shared.code;

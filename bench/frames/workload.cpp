@@ -82,14 +82,13 @@ void check_task_system(const WorkloadOptions& options) {
   }
 }
 
-void check_secondary(const WorkloadOptions& options) {
-  const auto taking = [](const ShaderEntry& entry) { return entry.takes_secondary; };
-  const bool usual = options.secondary == secondary_ways().front().name;
-  const auto shader = std::ranges::find(shaders(), options.shader, &ShaderEntry::name);
-  if (usual || taking(*shader)) return;
-  throw UsageError(fmt::format(
-      "--secondary {}: the shader {} has no choice of ways; --shader {} has", options.secondary,
-      options.shader, std::ranges::find_if(shaders(), taking)->name));
+// Refuses an option that the shader does nothing with. `what` is what it lacks.
+void require_shader(const WorkloadOptions& options, bool ShaderEntry::*taking,
+                    std::string_view given, std::string_view what) {
+  std::string name = options.shader;
+  if (entry_of(shaders(), name, "shader").*taking) return;
+  throw UsageError(fmt::format("{}: the shader {} has {}; --shader {} has", given, name, what,
+                               std::ranges::find_if(shaders(), taking)->name));
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -121,7 +120,15 @@ void check(WorkloadOptions& options) {
         fmt::format("--update {}: nothing moves; --animate says what should", options.update));
   }
   check_task_system(options);
-  check_secondary(options);
+  if (options.secondary != secondary_ways().front().name) {
+    require_shader(options, &ShaderEntry::takes_secondary, "--secondary " + options.secondary,
+                   "no choice of ways");
+  }
+}
+
+void require_bounces(const WorkloadOptions& options) {
+  require_shader(options, &ShaderEntry::takes_depth, fmt::format("--depth {}", options.depth),
+                 "no bounces");
 }
 
 void to_json(nlohmann::json& json, const WorkloadOptions& options) {

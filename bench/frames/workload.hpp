@@ -65,6 +65,9 @@ void add_choices(nlohmann::ordered_json& run, const WorkloadOptions& options, re
 /// unknown or a number is out of range.
 void check(WorkloadOptions& options);
 
+/// Refuses a shader that never bounces where a depth was asked for. Throws UsageError.
+void require_bounces(const WorkloadOptions& options);
+
 /// Whether two workloads, whose options were checked, must give the same picture to the last bit:
 /// they differ at most in how it is made.
 bool same_picture(const WorkloadOptions& a, const WorkloadOptions& b);

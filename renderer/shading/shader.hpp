@@ -67,7 +67,9 @@ struct ShaderEntry {
                                   const ShaderOptions& options);
   /// The most rays that one hit sends on, which says how much memory a frame may need.
   std::uint64_t (*rays_per_hit)(const Scene& scene);
-  bool takes_secondary = false;  ///< does something with `ShaderOptions::secondary`
+  // Which of the options it does something with.
+  bool takes_depth = false;
+  bool takes_secondary = false;
 };
 
 /// All shaders, the default first.

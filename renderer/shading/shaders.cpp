@@ -19,7 +19,13 @@ std::unique_ptr<Shader> make(const Scene& scene, FrameBuffer& frame, const Shade
 
 template <class S>
 constexpr ShaderEntry entry(std::string_view name, std::string_view summary) {
-  return {name, summary, make<S>, S::rays_per_hit, std::is_same_v<S, Whitted>};
+  constexpr bool whitted = std::is_same_v<S, Whitted>;
+  return {.name = name,
+          .summary = summary,
+          .make = make<S>,
+          .rays_per_hit = S::rays_per_hit,
+          .takes_depth = whitted || std::is_same_v<S, PathTracer>,
+          .takes_secondary = whitted};
 }
 
 constexpr std::array entries{

@@ -200,10 +200,9 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
   Arguments given;
   CLI::App app("The renderer on machines that are not there.", "irt simulate");
   add_options(app, given);
-  refuse_empty(app);
   tell_in_one_line(app, "irt simulate");
-  const auto code = parse(app, std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-  if (code) return *code;
+  if (const auto code = parse(app, arguments)) return *code;
+  if (app.count("--depth") != 0) require_bounces(given.workload);
   QueueRegistry registry;
   virtual_cores::QueueModules modules;
   for (const std::string& plugin : given.plugins) {

@@ -50,12 +50,22 @@ TEST(Tool, NothingIsNoValue) {
   expect_one_line({"render", "--image", ""}, "--image: nothing");
   expect_one_line({"compare", "--out", ""}, "--out: nothing");
   expect_one_line({"overhead", "--json", ""}, "--json: nothing");
+  expect_one_line({"compare", "--queue", "lock,"}, "number 2 of the list");
+  expect_one_line({"compare", "--queue=lock", "--threads", "1,,2"}, "write --threads 1,2");
 }
 
 TEST(Tool, WhatWouldHaveNoEffectIsRefused) {
   expect_one_line(render({"--image", "x.jpg"}), "name it x.png");
   expect_one_line(render({"--shader", "depth", "--secondary", "thesis"}), "--shader whitted");
   expect_one_line({"compare", "--shader", "whitted,path", "--secondary", "single"}, "path");
+  for (const char* depth : {"2", "4"}) {
+    expect_one_line(render({"--shader", "diffuse", "--depth", depth}),
+                    std::string("--depth ") + depth +
+                        ": the shader diffuse has no bounces; "
+                        "--shader whitted has");
+  }
+  expect_one_line({"compare", "--shader", "whitted,normals", "--depth", "2,3"}, "normals");
+  expect_one_line({"overhead", "--shader", "ambient-occlusion", "--depth", "1"}, "bounces");
   expect_one_line(render({"--task-system", "tbb", "--queue", "lfree"}), "--task-system queue");
   expect_one_line({"collide", "--task-system", "openmp", "--queue", "lock"}, "--task-system queue");
   expect_one_line({"compare", "--task-system", "tbb,openmp", "--queue", "lfree"},

@@ -87,5 +87,17 @@ TEST_F(SimulateTest, NothingIsNoValue) {
   }
 }
 
+TEST_F(SimulateTest, RefusesGapsInListsAndDepthsThatNoShaderTakes) {
+  const std::vector<std::pair<Arguments, std::string>> mistakes{
+      {{"--queue", "lock,"}, "--queue lock,: number 2 of the list is empty; write --queue lock\n"},
+      {{"--renderer", "--task-size", ",8"}, "write --task-size 8\n"},
+      {{"--renderer", "--shader", "normals", "--depth", "4"}, "--shader whitted has\n"}};
+  for (const auto& [arguments, said] : mistakes) {
+    RunningTool tool(IRT_SIMULATE, arguments);
+    EXPECT_EQ(tool.wait(), 2);
+    EXPECT_TRUE(tool.err().ends_with(said)) << tool.err();
+  }
+}
+
 }  // namespace
 }  // namespace irt
