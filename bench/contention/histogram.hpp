@@ -1,26 +1,22 @@
-/// Counts of durations, exact to better than one per cent, in HdrHistogram's scheme (Tene 2012):
-/// every power of two is divided into as many equal buckets.
+/// Counts of durations, exact to better than one per cent.
 ///
 /// Recording costs a few instructions and never allocates. Each thread has its own; they are merged
 /// when all have stopped.
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "renderer/engine/log_buckets.hpp"
+
 namespace irt::contention {
 
-class Histogram {
+class Histogram : public LogBuckets<7> {
  public:
-  /// A value is off by less than one part in `precision` of itself; below it, exact.
-  static constexpr unsigned precision_bits = 7;
-  static constexpr std::uint64_t precision = 1U << precision_bits;
-
-  Histogram() : counts_((64 - precision_bits + 1) * precision) {}
+  Histogram() : counts_(size) {}
 
   void record(std::uint64_t value) {
     ++counts_[index_of(value)];
@@ -68,20 +64,6 @@ class Histogram {
            std::uint64_t largest) {
     for (const auto& [index, count] : buckets) counts_.at(index) += count;
     largest_ = std::max(largest_, largest);
-  }
-
-  static std::size_t index_of(std::uint64_t value) {
-    if (value < precision) return value;
-    const auto exponent = static_cast<unsigned>(std::bit_width(value)) - precision_bits - 1;
-    return (std::size_t{exponent} << precision_bits) + (value >> exponent);
-  }
-
-  /// The largest value that falls into the bucket.
-  static std::uint64_t upper_end(std::size_t index) {
-    if (index < 2 * precision) return index;
-    const std::size_t exponent = (index >> precision_bits) - 1;
-    const std::uint64_t leading = index - (exponent << precision_bits);
-    return (leading << exponent) + ((std::uint64_t{1} << exponent) - 1);
   }
 
  private:

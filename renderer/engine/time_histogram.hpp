@@ -1,10 +1,12 @@
 /// How long many short things took: a count per bucket, the buckets growing with the time.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
+
+#include "renderer/engine/log_buckets.hpp"
 
 namespace irt {
 
@@ -28,7 +30,7 @@ class TimeHistogram {
     for (std::size_t i = 0; i < buckets; ++i) {
       seen += counts[i];
       if (seen != 0 && static_cast<double>(seen) >= q * static_cast<double>(all)) {
-        return 0.5 * static_cast<double>(lower_bound(i) + lower_bound(i + 1) - 1);
+        return 0.5 * static_cast<double>(Buckets::lower_end(i) + Buckets::upper_end(i));
       }
     }
     return 0;
@@ -37,14 +39,10 @@ class TimeHistogram {
   std::array<std::uint64_t, buckets> counts{};
 
  private:
+  using Buckets = LogBuckets<2>;
+
   static constexpr std::size_t bucket(std::uint64_t ns) {
-    if (ns < 4) return ns;
-    const auto top = static_cast<std::size_t>(std::bit_width(ns)) - 1;
-    const std::size_t index = 4 * (top - 1) + (ns >> (top - 2) & 3u);
-    return index < buckets ? index : buckets - 1;
-  }
-  static constexpr std::uint64_t lower_bound(std::size_t index) {
-    return index < 4 ? index : std::uint64_t{4 + index % 4} << (index / 4 - 1);
+    return std::min(Buckets::index_of(ns), buckets - 1);
   }
 };
 
