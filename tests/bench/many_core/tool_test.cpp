@@ -1,5 +1,6 @@
 /// `irt simulate` as a user runs it.
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
 
@@ -37,6 +38,23 @@ TEST_F(SimulateTest, EveryQueueHasItsHottestLines) {
   }
   // Whichever seed was done first.
   for (const auto& run : runs()) EXPECT_FALSE(run["hot_lines"].is_null());
+}
+
+TEST_F(SimulateTest, AsksOnceForAllPlacesOfTheHottestLines) {
+  const fs::path asked = directory_ / "asked", fake = directory_ / "addr2line";
+  const std::string path = std::getenv("PATH");
+  std::ofstream(fake) << "#!/bin/sh\necho >>" << asked.string() << "\nPATH='" << path
+                      << "' exec addr2line \"$@\"\n";
+  fs::permissions(fake, fs::perms::owner_all);
+  setenv("PATH", (fake.parent_path().string() + ":" + path).c_str(), 1);
+  RunningTool tool(IRT_SIMULATE, {"--machine", "granite-rapids-96", "--queue", "lfree", "--cores",
+                                  "8", "--time", "0.02", "--seeds", "1", "--out", out_});
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(tool.wait(), 0) << tool.err();
+  const auto lines = runs().at(0)["hot_lines"];
+  EXPECT_GT(lines.size(), 1U);
+  EXPECT_NE(lines.at(0)["sites"].at(0)["source"], "");
+  EXPECT_EQ(contents(asked), "\n");
 }
 
 TEST_F(SimulateTest, AModuleThatDoesNotLoadEndsNoSweep) {
