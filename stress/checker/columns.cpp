@@ -117,11 +117,12 @@ class Columns {
         continue;
       const bool push = o.kind == Operation::Kind::push;
       line(thread, "  -> " + (o.no_memory  ? "no memory"
+                              : o.closed   ? "closed"
                               : o.answered ? push ? "done" : std::to_string(o.value)
                                            : std::string(push ? "full" : "empty")));
       if (!execution_.finding() || execution_.finding()->kind != FindingKind::wrong_outcome)
         continue;
-      const bool refused = push && !o.answered && !o.no_memory;
+      const bool refused = push && !o.answered && !o.no_memory && !o.closed;
       if (refused && execution_.finding()->text.find(refusal(o)) == std::string::npos) continue;
       if (const std::string why = contradiction(o, operations_); !why.empty())
         line(thread, "      ^ " + why);

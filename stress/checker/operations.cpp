@@ -34,7 +34,7 @@ stress::Calls calls_of(const std::vector<Operation>& operations) {
                                                   : (o.answered ? Answered::pop : Answered::empty),
                      .worker = o.worker,
                      .value = o.value,
-                     .no_effect = o.no_memory});
+                     .no_effect = o.no_memory || o.closed});
     before += o.phase == Operation::Phase::before ? 1 : 0;
     after += o.phase == Operation::Phase::after ? 1 : 0;
   }
@@ -169,6 +169,7 @@ std::string to_string(const Operation& o) {
     return "push " + std::to_string(o.value) +
            (!o.finished   ? " ..."
             : o.no_memory ? " -> no memory"
+            : o.closed    ? " -> closed"
             : o.answered  ? ""
                           : " -> full");
   return "pop -> " + (!o.finished   ? "..."

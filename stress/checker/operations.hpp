@@ -26,6 +26,7 @@ struct Operation {
   bool answered = false;   ///< what the call returned
   bool finished = false;   ///< whether it returned at all
   bool no_memory = false;  ///< it had no effect, since there was no memory, and said so
+  bool closed = false;     ///< a push that was refused, as it may be once the queue is closed
   std::uint64_t value = 0;
   Clock called{};                 ///< what happens before the call
   bool ends_frame = false;        ///< it answered that there will be no more tasks ...

@@ -34,6 +34,7 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
   scenario_.module = module;
   scenario_.prepare = [this, count] {
     operations_.clear();
+    closings_.clear();
     phase_ = Operation::Phase::before;
     pushed_.assign(count + 1, 0);
     queue_ = scenario_.age != 0 ? static_cast<AnyWorkQueue<std::uint64_t>*>(scenario_.aged->made)
@@ -75,14 +76,15 @@ void QueueClient::cast_roles() {
     }
     return first;
   };
-  if (entry_.claims.one_producer()) pusher_ = first_with("ERTF").value_or(0);
+  if (entry_.claims.one_producer()) pusher_ = first_with("ERTFC").value_or(0);
   if (entry_.claims.one_consumer())
     popper_ = first_with("DRTF").value_or(static_cast<unsigned>(shape_.threads.size()) - 1);
 }
 
 // Who pops in the shape empties the queue, until all of them find nothing. Everybody does if nobody
 // pops there, where each has a queue of its own, and where the others must do without a stopped
-// thread. Nobody acts for that one.
+// thread. Nobody acts for that one. Where a worker may miss what others find, everybody does as
+// well.
 void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
   std::vector<unsigned> poppers;
   for (unsigned worker = 0; worker < main; ++worker)
@@ -91,7 +93,8 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
             : shape_.threads[worker].find_first_of("DRTF") != std::string::npos ||
                   (worker == popper_ && shape_.prologue.find_first_of("DRTF") != std::string::npos))
       poppers.push_back(worker);
-  if (poppers.empty() || entry_.claims.own_queues() || (stopped && !entry_.claims.one_consumer())) {
+  if (poppers.empty() || entry_.claims.own_queues() ||
+      (!entry_.claims.one_consumer() && (stopped || entry_.claims.empty == Answer::this_worker))) {
     poppers.resize(main);
     std::iota(poppers.begin(), poppers.end(), 0U);
   }
@@ -142,6 +145,11 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread) {
         push(thread, pusher);
         break;
       case 'C':
+        closings_.push_back({.thread = thread,
+                             .number = operations_.size(),
+                             .phase = phase_,
+                             .called = Execution::current_execution()->clock_of(thread),
+                             .called_at = real_time_ ? Execution::current_execution()->tick() : 0});
         queue_->push(pusher, close_word);
         break;
       case 'S':
@@ -279,6 +287,10 @@ std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
 
 std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
   if (const auto stopped = execution.stopped()) return judge_stalled(*stopped);
+  for (Operation& push : operations_)
+    push.closed = push.kind == Operation::Kind::push && !push.answered &&
+                  !std::all_of(closings_.begin(), closings_.end(),
+                               [&](const Operation& c) { return precedes(push, c); });
   // Few histories differ in what matters: the answers and the order. Each is judged once.
   std::vector<const Operation*> sorted;
   for (const Operation& operation : operations_) sorted.push_back(&operation);
@@ -287,7 +299,7 @@ std::optional<std::string> QueueClient::judge_history(const Execution& execution
   });
   std::string key;
   for (const Operation* b : sorted) {
-    key += b->no_memory ? 'm' : b->answered ? 'y' : 'n';
+    key += b->no_memory || b->closed ? 'm' : b->answered ? 'y' : 'n';
     key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
     if (b->phase != Operation::Phase::during) continue;  // in the order in which they stand
     for (const Operation* a : sorted)

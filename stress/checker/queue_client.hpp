@@ -67,6 +67,7 @@ class QueueClient {
   Scenario scenario_;
   AnyWorkQueue<std::uint64_t>* queue_ = nullptr;
   std::vector<Operation> operations_;
+  std::vector<Operation> closings_;  ///< calls that close the queue
   Operation::Phase phase_ = Operation::Phase::before;
   std::vector<std::uint64_t> ageing_words_;
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far

@@ -54,7 +54,7 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
 
 std::string contradiction(const Operation& answer, const std::vector<Operation>& operations) {
   using Kind = Operation::Kind;
-  if (!answer.finished || answer.answered || answer.no_memory) return "";
+  if (!answer.finished || answer.answered || answer.no_memory || answer.closed) return "";
   const auto left_by = [&](const Operation& push, auto when) {
     return std::any_of(operations.begin(), operations.end(), [&](const Operation& o) {
       return o.kind == Kind::pop && (!o.finished || (o.answered && o.value == push.value)) &&

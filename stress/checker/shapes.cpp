@@ -205,7 +205,7 @@ bool allows(const Claims& claims, const Shape& shape) {
     const auto signal = first.find('S');
     const auto wait = second.find('W');
     return signalling == 1 && signal != std::string::npos && wait != std::string::npos &&
-           first.find_first_of("ERTFD", signal) == std::string::npos &&
+           first.find_first_of("ERTFDC", signal) == std::string::npos &&
            second.find_first_of(letters) > wait;
   };
   const auto one_at_a_time = [&](std::string_view letters) {
@@ -217,7 +217,7 @@ bool allows(const Claims& claims, const Shape& shape) {
         if (a < b && !handed_over(letters, *a, *b) && !handed_over(letters, *b, *a)) return false;
     return true;
   };
-  if (claims.one_producer() && !one_at_a_time("ERTF")) return false;
+  if (claims.one_producer() && !one_at_a_time("ERTFC")) return false;
   return !claims.one_consumer() || one_at_a_time("DRTF");
 }
 

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <linux/futex.h>
 #include <map>
+#include <poll.h>
 #include <sys/mman.h>
+#include <sys/select.h>
 #include <sys/syscall.h>
 
 #include "stress/virtual_cores/internal.hpp"
@@ -243,9 +245,7 @@ IRT_REFUSED(timerfd_create)
 IRT_REFUSED(signalfd)
 IRT_REFUSED(socket)
 IRT_REFUSED(socketpair)
-IRT_REFUSED(poll)
 IRT_REFUSED(ppoll)
-IRT_REFUSED(select)
 IRT_REFUSED(pselect)
 IRT_REFUSED(epoll_create)
 IRT_REFUSED(epoll_create1)
@@ -253,6 +253,18 @@ IRT_REFUSED(pause)
 IRT_REFUSED(sigwait)
 IRT_REFUSED(sigsuspend)
 #undef IRT_REFUSED
+// Without files both only sleep, and much code in C knows no other way.
+IRT_REDIRECTED int irt_vc_poll(pollfd*, nfds_t count, int milliseconds) {
+  if (count != 0 || milliseconds < 0) refuse("calls poll()");
+  active->sleep(std::int64_t{milliseconds} * 1'000'000, IRT_PC);
+  return 0;
+}
+IRT_REDIRECTED int irt_vc_select(int count, fd_set*, fd_set*, fd_set*, timeval* time) {
+  if (count != 0 || time == nullptr) refuse("calls select()");
+  active->sleep(std::int64_t{time->tv_sec} * 1'000'000'000 + std::int64_t{time->tv_usec} * 1'000,
+                IRT_PC);
+  return 0;
+}
 
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 // NOLINTEND(performance-no-int-to-ptr)

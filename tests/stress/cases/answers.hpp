@@ -187,6 +187,38 @@ class HoardingHonest : public Hoarding_<T, Answer::this_worker> {
   using Hoarding_<T, Answer::this_worker>::Hoarding_;
 };
 
+/// The last of what a worker pushed is for that worker: *empty* speaks for a worker alone.
+template <class T>
+class LeavesOne {
+ public:
+  static constexpr std::string_view summary = "deques under a lock, of which others leave one";
+  static constexpr Claims claims{.empty = Answer::this_worker};
+
+  LeavesOne(unsigned workers, std::size_t /*capacity*/) : held_(workers) {}
+
+  bool push(unsigned worker, T task) {
+    const std::lock_guard lock(mutex_);
+    held_[worker].push_back(task);
+    return true;
+  }
+
+  bool pop(unsigned worker, T& task) {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      std::deque<T>& held = held_[(worker + i) % held_.size()];
+      if (held.size() < (i == 0 ? 1U : 2U)) continue;
+      task = held.front();
+      held.pop_front();
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::deque<T>> held_;
+};
+
 /// Tells elements from free places by words that it keeps for itself, and is for two workers.
 template <class T>
 class Picky {

@@ -8,11 +8,13 @@
 #include <cstddef>
 #include <ctime>
 #include <mutex>
+#include <poll.h>
 #include <pthread.h>
 #include <semaphore.h>
 #include <semaphore>
 #include <shared_mutex>
 #include <string_view>
+#include <sys/select.h>
 #include <threads.h>
 #include <vector>
 
@@ -62,6 +64,23 @@ class SleepingFlag {
     flag_.clear(std::memory_order_release);
     flag_.notify_one();
   }
+
+ private:
+  std::atomic_flag flag_;
+};
+
+/// Sleeps as code in C does: until the time is up of a wait for no file.
+class PolledFlag {
+ public:
+  bool try_lock() {
+    while (flag_.test_and_set(std::memory_order_acquire)) {
+      poll(nullptr, 0, 1);
+      timeval time{0, 1};
+      select(0, nullptr, nullptr, nullptr, &time);
+    }
+    return true;
+  }
+  void unlock() { flag_.clear(std::memory_order_release); }
 
  private:
   std::atomic_flag flag_;
@@ -203,6 +222,10 @@ class TriedSpinLockBag : public LibraryLocked<T, TriedSpinLock> {
 template <class T>
 class SleepingFlagBag : public LibraryLocked<T, SleepingFlag> {
   using LibraryLocked<T, SleepingFlag>::LibraryLocked;
+};
+template <class T>
+class PolledFlagBag : public LibraryLocked<T, PolledFlag> {
+  using LibraryLocked<T, PolledFlag>::LibraryLocked;
 };
 template <class T>
 class GivesUpBug : public LibraryLocked<T, TriedSpinLock, 5> {

@@ -39,6 +39,10 @@ inline const std::vector<Case> cases{
     {"long-spin", {}},
     {"notified-twice-bug", {FindingKind::deadlock}},
     {"notified-twice-fixed", {}},
+    {"refuses-closed", {}},
+    {"closed-in-turn", {}},
+    {"drops-closed-bug", {FindingKind::wrong_outcome}},
+    {"refuses-too-soon-bug", {FindingKind::deadlock, FindingKind::wrong_outcome}},
     {"shared-line-bug", {}},  // it is slow, and right
     {"shared-line-fixed", {}},
     {"chase", {}},
@@ -75,6 +79,7 @@ inline const std::vector<Case> cases{
     {"tried-mutex", {}},
     {"tried-spin-lock", {}},
     {"sleeping-flag", {}},
+    {"polled-flag", {}},
     {"walked-places", {}},
     {"timed-mutex", {}},
     {"timed-shared-mutex", {}},

@@ -17,6 +17,7 @@
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/one_short.hpp"
 #include "tests/stress/cases/patient.hpp"
+#include "tests/stress/cases/refuses_closed.hpp"
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
 #include "tests/stress/cases/tagged_registry.hpp"
@@ -45,6 +46,10 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::FailedGrowthFixed>("failed-growth-fixed"),
     irt::queue_entry<irt::NotifiedTwiceBug>("notified-twice-bug"),
     irt::queue_entry<irt::NotifiedTwiceFixed>("notified-twice-fixed"),
+    irt::queue_entry<irt::RefusesClosed>("refuses-closed"),
+    irt::queue_entry<irt::ClosedInTurn>("closed-in-turn"),
+    irt::queue_entry<irt::DropsClosedBug>("drops-closed-bug"),
+    irt::queue_entry<irt::RefusesTooSoonBug>("refuses-too-soon-bug"),
     irt::queue_entry<irt::SharedLineBug>("shared-line-bug"),
     irt::queue_entry<irt::SharedLineFixed>("shared-line-fixed"),
     irt::queue_entry<irt::CallResultBug>("call-result-bug"),
@@ -62,6 +67,7 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::TriedMutexBag>("tried-mutex"),
     irt::queue_entry<irt::TriedSpinLockBag>("tried-spin-lock"),
     irt::queue_entry<irt::SleepingFlagBag>("sleeping-flag"),
+    irt::queue_entry<irt::PolledFlagBag>("polled-flag"),
     irt::queue_entry<irt::GivesUpBug>("gives-up-bug"),
     irt::queue_entry<irt::GivesUpMutexBug>("gives-up-mutex-bug"),
     irt::queue_entry<irt::WaitsByTheClock>("waits-by-the-clock"),

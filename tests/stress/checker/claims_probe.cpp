@@ -21,6 +21,7 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::CreditedInFlight>("credited-in-flight"),
     irt::queue_entry<irt::HoardingBoast>("hoarding-boast"),
     irt::queue_entry<irt::HoardingHonest>("hoarding-honest"),
+    irt::queue_entry<irt::LeavesOne>("leaves-one"),
     irt::queue_entry<irt::Picky>("picky"),
     irt::queue_entry<irt::KnowsItsWorkers>("knows-its-workers"),
     irt::queue_entry<irt::KnowsItsConsumer>("knows-its-consumer"),

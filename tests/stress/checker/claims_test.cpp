@@ -78,6 +78,7 @@ TEST_F(ClaimsTest, empty_may_speak_for_one_worker_where_that_is_claimed) {
   EXPECT_NE(text.find("\"empty\" while"), std::string::npos) << text;
   EXPECT_EQ(finding("hoarding-honest", "EE:DS|WD"), "");
   EXPECT_EQ(in_battery("hoarding-honest"), "");
+  EXPECT_EQ(in_battery("leaves-one"), "");
 }
 
 TEST_F(ClaimsTest, words_workers_and_memory_are_as_the_queue_wants_them) {

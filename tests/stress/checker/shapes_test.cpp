@@ -47,10 +47,10 @@ TEST(Shapes, are_refused_with_a_reason) {
 }
 
 TEST(Shapes, give_a_role_for_one_to_one_at_a_time) {
-  for (const char* text : {"E|D", "ED|S", "EES|WED", "EEWD|DS", "EE:D|E"})
+  for (const char* text : {"E|D", "ED|S", "EES|WED", "EEWD|DS", "EE:D|E", "EC|D", "E:D|C"})
     EXPECT_TRUE(allows(single, parse_shape(text))) << text;
   for (const char* text : {"E|E", "D|D", "ED|D", "ESE|WE", "ES|EWE", "ES|WE|WE", "ES|SD|WE",
-                           "F|D|D", "R|D", "EESD|WE", "DSE|EWD"})
+                           "F|D|D", "R|D", "EESD|WE", "DSE|EWD", "E|C|D", "ESC|WE"})
     EXPECT_FALSE(allows(single, parse_shape(text))) << text;
   EXPECT_TRUE(allows(anything, parse_shape("ED|ED|F")));
 }
