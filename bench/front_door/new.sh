@@ -17,11 +17,8 @@ new_queue() {
     usage_error "new: '$name' is not a name; lower-case words joined by '-' are, like my-queue"
   [[ ! -e $folder ]] || usage_error "new: '$folder' is there already; name another folder"
 
-  # What the plug-in builds against is installed beside the build.
-  prepare_build release "${packages_tools[@]}"
-  local development=$here/build/development build
-  cmake --install "$here/build/release" --component plugin --prefix "$development" >/dev/null ||
-    return 1
+  local build
+  install_development || return 1
   folder=$(realpath -m -- "$folder")
   cmake -D NAME="$name" -D INTO="$folder" -P "$here/queues/cmake/new_queue.cmake" || return 1
   printf -v build '%q' "$folder/build"

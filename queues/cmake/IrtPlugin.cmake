@@ -1,4 +1,4 @@
-# irt_add_plugin(<name> <header> <class> [LINK <target>...])
+# irt_add_plugin(<name> <header> <class> [LINK <target>...] [SOURCES <file>...])
 #
 # builds the queue <class> of <header> (relative to the calling CMakeLists.txt) into a shared object
 # <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. Beside it
@@ -6,10 +6,10 @@
 # left out where the irt that was found has none. It is the counterpart of irt_add_queue() for a
 # queue that lives outside the tree; <header> needs no change to move from one to the other.
 #
-# Both are compiled as the queues of the tree are, with -O2 and assertions, whatever the build type:
+# SOURCES are further files of the queue, in C++ or C. Both objects are compiled as the queues of the tree are, with -O2 and assertions, whatever the build type:
 # figures compare.
 function(irt_add_plugin name header class)
-  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "" "LINK")
+  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "" "LINK;SOURCES")
   if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
     message(FATAL_ERROR "plug-in '${name}': a name is lower-case words joined by '-'")
   endif()
@@ -23,17 +23,18 @@ function(irt_add_plugin name header class)
   configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.cpp.in ${source} @ONLY)
 
   set(target irt_plugin_${name})  # not `name` alone, which may be `test` or `all`
-  add_library(${target} MODULE ${source})
+  add_library(${target} MODULE ${source} ${ARG_SOURCES})
   set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}
-    CXX_VISIBILITY_PRESET hidden)
+    CXX_VISIBILITY_PRESET hidden LINKER_LANGUAGE CXX)
   target_link_libraries(${target} PRIVATE irt::queues ${ARG_LINK})
   target_compile_options(${target} PRIVATE -O2 -UNDEBUG)
   set(has_virtual_cores FALSE)
   if(TARGET irt_virtual_cores)  # in the tree, plug-ins only serve tests on real threads
     get_target_property(has_virtual_cores irt_virtual_cores IMPORTED)
   endif()
-  if(has_virtual_cores)
-    irt_virtual_module(irt_virtual_plugin_${name} SOURCES ${source} LINK irt::queues ${ARG_LINK}
+  if(has_virtual_cores AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
+    irt_virtual_module(irt_virtual_plugin_${name} SOURCES ${source} ${ARG_SOURCES}
+      LINK irt::queues ${ARG_LINK}
       OPTIONS -O2 -UNDEBUG OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.virtual.so)
     add_dependencies(${target} irt_virtual_plugin_${name})
   endif()

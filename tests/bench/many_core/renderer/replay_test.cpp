@@ -3,6 +3,7 @@
 #include <map>
 
 #include "bench/many_core/renderer/sweep.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 #include "tests/bench/fields.hpp"
 
 namespace irt::many_core {
