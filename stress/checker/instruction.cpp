@@ -111,11 +111,29 @@ unsigned bytes_of(const Instruction& instruction) {
   return name.ends_with('q') ? 8 : name.ends_with('l') ? 4 : name.ends_with('w') ? 2 : 1;
 }
 
+/// Compilers put other code behind such a call. Those that the runtime takes over have its prefix.
+bool never_returns(std::string_view function) {
+  static constexpr std::string_view prefix = "irt_vc_";
+  if (function.starts_with(prefix)) function.remove_prefix(prefix.size());
+  static constexpr std::array ends{"__cxa_throw"sv,
+                                   "__cxa_rethrow"sv,
+                                   "_Unwind_Resume"sv,
+                                   "__cxa_bad_cast"sv,
+                                   "_ZSt9terminatev"sv,
+                                   "__assert_fail"sv,
+                                   "abort"sv,
+                                   "exit"sv,
+                                   "_exit"sv};
+  return std::find(ends.begin(), ends.end(), function) != ends.end() ||
+         (function.starts_with("_ZSt") && function.find("__throw_") != std::string_view::npos) ||
+         function == "__cxa_throw_bad_array_new_length";
+}
+
 }  // namespace
 
 bool Instruction::falls_through() const {
-  return !is("jmp") && !is("notrack jmp") && !is("ret") && !is("repz ret") && !is("ud2") &&
-         !is("hlt");
+  return !(is_call() && never_returns(target)) && !is("jmp") && !is("notrack jmp") && !is("ret") &&
+         !is("repz ret") && !is("ud2") && !is("hlt");
 }
 
 bool Instruction::only_pads() const {

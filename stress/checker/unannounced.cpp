@@ -33,9 +33,13 @@ struct State {
   std::vector<Announced> announced{};
 };
 
-/// Where memory that may change lies in the file: .data and .bss.
 struct Section {
   std::uint64_t begin, end;
+};
+
+struct Sections {
+  std::vector<Section> writable;   ///< where memory that may change lies in the file
+  std::vector<Section> constants;  ///< and where that lies which never does
 };
 
 struct Block {
@@ -47,9 +51,8 @@ struct Block {
 
 class Function {
  public:
-  Function(std::vector<Instruction> code, const std::vector<Section>& writable,
-           bool results_on_stack)
-      : code_(std::move(code)), writable_(writable), results_on_stack_(results_on_stack) {}
+  Function(std::vector<Instruction> code, const Sections& sections, bool results_on_stack)
+      : code_(std::move(code)), sections_(sections), results_on_stack_(results_on_stack) {}
 
   std::vector<Unannounced> run() {
     divide();
@@ -185,11 +188,24 @@ class Function {
       mine.root = value.root;
       changed_ = true;
     }
-    const std::size_t before = to.announced.size();
-    std::erase_if(to.announced, [&](const Announced& a) {
-      return std::find(from.announced.begin(), from.announced.end(), a) == from.announced.end();
-    });
-    changed_ = changed_ || to.announced.size() != before;
+    std::vector<Announced> kept;
+    for (Announced mine : to.announced) {
+      const auto& others = from.announced;
+      // What is announced may have a new name, too.
+      if (std::find(others.begin(), others.end(), mine) != others.end() ||
+          std::any_of(others.begin(), others.end(), [&](const Announced& other) {
+            const auto known = joined.find(
+                {mine.begin.root, other.begin.root, mine.begin.offset - other.begin.offset});
+            Announced renamed = mine;
+            renamed.begin = other.begin;
+            if (known == joined.end() || renamed != other) return false;
+            mine.begin.root = known->second.root;
+            return true;
+          }))
+        kept.push_back(mine);
+    }
+    changed_ = changed_ || kept != to.announced;
+    to.announced = std::move(kept);
   }
 
   void interpret(std::size_t number) {
@@ -251,11 +267,22 @@ class Function {
     state.slots[place.offset] = value;
   }
 
-  [[nodiscard]] bool is_writable(std::int64_t address) const {
-    return std::any_of(writable_.begin(), writable_.end(), [address](const Section& section) {
+  static bool contains(const std::vector<Section>& sections, std::int64_t address) {
+    return std::any_of(sections.begin(), sections.end(), [address](const Section& section) {
       return static_cast<std::uint64_t>(address) >= section.begin &&
              static_cast<std::uint64_t>(address) < section.end;
     });
+  }
+
+  [[nodiscard]] bool is_writable(std::int64_t address) const {
+    return contains(sections_.writable, address);
+  }
+
+  /// Whether an element of a table of constants is read: compilers make such of a `switch`.
+  [[nodiscard]] bool reads_table(const State& state, const MemoryUse& use) const {
+    if (use.writes || use.place.absolute || use.place.base == no_register) return false;
+    const NamedValue table = state.in[use.place.base];
+    return table.root == 0 && contains(sections_.constants, table.offset + use.place.offset);
   }
 
   void check(State& state, NamedValue place, const MemoryUse& use, std::size_t at) {
@@ -328,7 +355,7 @@ class Function {
     const Instruction& at = code_[number];
     if (collect_)
       for (const MemoryUse& use : memory_uses(at))
-        check(state, address_of(state, use.place), use, number);
+        if (!reads_table(state, use)) check(state, address_of(state, use.place), use, number);
     if (at.is_call()) return call(state, at);
     if (at.is("ret") || at.is("repz ret")) {
       returns_argument_ = returns_argument_ || state.in[rax] == NamedValue{argument_root, 0};
@@ -417,7 +444,7 @@ class Function {
   }
 
   std::vector<Instruction> code_;
-  const std::vector<Section>& writable_;
+  const Sections& sections_;
   bool results_on_stack_;
   std::vector<Block> blocks_;
   ValueNames names_;
@@ -441,7 +468,7 @@ bool is_start_up(const std::string& name) {
 
 std::vector<Unannounced> unannounced(const std::vector<std::string>& disassembly,
                                      const std::vector<std::string>& sections) {
-  std::vector<Section> writable;
+  Sections kinds;
   bool results_on_stack = false;
   for (const std::string& line : sections) {
     char name[64] = "";
@@ -449,7 +476,9 @@ std::vector<Unannounced> unannounced(const std::vector<std::string>& disassembly
     unsigned long begin = 0;
     if (std::sscanf(line.c_str(), " %*d %63s %lx %lx", name, &size, &begin) != 3) continue;
     const std::string_view section = name;
-    if (section == ".data" || section == ".bss") writable.push_back({begin, begin + size});
+    if (section == ".data" || section == ".bss") kinds.writable.push_back({begin, begin + size});
+    if (section == ".rodata" || section == ".data.rel.ro")
+      kinds.constants.push_back({begin, begin + size});
     results_on_stack = results_on_stack || section == "irt_announced";
   }
   // A function and its unlikely part, NAME.cold, are one.
@@ -475,7 +504,7 @@ std::vector<Unannounced> unannounced(const std::vector<std::string>& disassembly
   for (auto& [name, parts] : functions) {
     std::vector<Instruction> code = std::move(parts[0]);
     std::move(parts[1].begin(), parts[1].end(), std::back_inserter(code));
-    for (Unannounced& found : Function(std::move(code), writable, results_on_stack).run())
+    for (Unannounced& found : Function(std::move(code), kinds, results_on_stack).run())
       result.push_back(std::move(found));
   }
   std::sort(result.begin(), result.end(),
