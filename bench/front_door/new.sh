@@ -21,12 +21,25 @@ new_queue() {
   install_development || return 1
   folder=$(realpath -m -- "$folder")
   cmake -D NAME="$name" -D INTO="$folder" -P "$here/queues/cmake/new_queue.cmake" || return 1
+  local irt header
+  printf -v irt '%q' "$here/irt"
+  printf -v header '%q' "$folder/${name//-/_}.hpp"
   printf -v build '%q' "$folder/build"
   cat <<N
-Started the queue $name in $folder. It works as it is; to build and run it:
+Started the queue $name in $folder. It works as it is; each of these builds what it needs of it:
+
+  $irt check --queue $header
+  $irt stress --queue $header
+  $irt stress --sanitizer tsan --queue $header
+  $irt compare --queue lfree,$header
+  $irt bench contention --queue lfree,$header
+  $irt simulate --queue lfree,$header --cores 1..192
+  $irt simulate --renderer --queue lfree,$header
+
+Or build it as a plug-in of a project of your own:
 
   cmake -S $(printf %q "$folder") -B $build -D CMAKE_PREFIX_PATH=$(printf %q "$development")
   cmake --build $build
-  $(printf %q "$here/irt") render --plugin $build/$name.so --queue $name
+  $irt render --plugin $build/$name.so --queue $name
 N
 }

@@ -50,7 +50,7 @@ outside_name() {
   name=$(sed -E 's/([a-z0-9])([A-Z])/\1-\2/g; s/[^A-Za-z0-9]+/-/g; s/^[^A-Za-z]+//; s/-+$//' \
     <<<"$name" | tr '[:upper:]' '[:lower:]')
   [[ -n $name ]] || name=queue
-  grep -q "^irt_add_queue($name " "$here/queues/CMakeLists.txt" && name+=-outside
+  grep -qs "^irt_add_queue($name " "$here/queues/CMakeLists.txt" && name+=-outside
   echo "$name"
 }
 
@@ -69,6 +69,12 @@ first_error() {
     head -n 12 >&2
 }
 
+# quoted_list ",a,b" : "a" "b", for CMake.
+quoted_list() {
+  local element
+  while read -r -d, element; do [[ -z $element ]] || printf ' "%s"' "$element"; done <<<"$1,"
+}
+
 # Builds what plug-ins are compiled against and installs it beside the build.
 install_development() {
   build_target release irt-development "${packages_tools[@]}"
@@ -77,7 +83,7 @@ install_development() {
     >"$logs/install-development.log"
 }
 
-# build_outside PRESET HEADER[:CLASS] INCLUDE,... LINK,... SOURCE,... : builds the plug-in; sets
+# build_outside PRESET HEADER[:CLASS] ,INCLUDE... ,LINK... ,SOURCE... : builds the plug-in; sets
 # outside_plugin and outside_queue.
 build_outside() {
   local preset=$1 given=$2 includes=$3 links=$4 sources=$5
@@ -117,9 +123,9 @@ cmake_minimum_required(VERSION 3.25)
 project(outside LANGUAGES C CXX)
 find_package(irt REQUIRED)
 add_library(outside INTERFACE)
-target_include_directories(outside INTERFACE "$(dirname -- "$header")" ${includes//,/ })
-target_link_libraries(outside INTERFACE ${links//,/ })
-irt_add_plugin($outside_queue "$header" $class LINK outside SOURCES ${sources//,/ })
+target_include_directories(outside INTERFACE "$(dirname -- "$header")"$(quoted_list "$includes"))
+target_link_libraries(outside INTERFACE$(quoted_list "$links"))
+irt_add_plugin($outside_queue "$header" $class LINK outside SOURCES$(quoted_list "$sources"))
 P
   )
   local log=$logs/outside-$outside_queue.log
@@ -195,7 +201,7 @@ replace_outside_queues() {
     queues=''
     while read -r -d, element; do
       if [[ $element =~ $outside_pattern ]]; then
-        build_outside "$preset" "$element" "${includes#,}" "${links#,}" "${sources#,}"
+        build_outside "$preset" "$element" "$includes" "$links" "$sources"
         plugins+=(--plugin "$outside_plugin")
         element=$outside_queue
       fi

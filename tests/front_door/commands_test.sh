@@ -96,6 +96,79 @@ new_starts_a_queue_and_overwrites_nothing() {
   expect_code 2
 }
 
+# write_queue FILE CLASS... : a header with these class templates.
+write_queue() {
+  local file=$1 class
+  shift
+  mkdir -p -- "$(dirname -- "$file")"
+  {
+    echo 'struct Claims {};'
+    echo 'namespace mine {'
+    for class; do
+      printf 'template <class T>\nclass %s {\n  static constexpr Claims claims{};\n};\n' "$class"
+    done
+    echo '}  // namespace mine'
+  } >"$file"
+}
+
+outside_queue_is_built_and_passed_on() {
+  cd "$work" || exit 1
+  write_queue 'my queues/spin_ring.hpp' SpinRing
+  irt render --queue "lfree,my queues/spin_ring.hpp" --frames 3
+  expect_code 0
+  local plugin
+  plugin=$(sed -n 's/^<\(.*spin-ring.so\)>$/\1/p' "$work/out")
+  [[ -f $plugin ]] || fail "there is no plug-in"
+  tail -n 7 "$work/out" |
+    diff - <(printf '<%s>\n' render --queue lfree,spin-ring --frames 3 --plugin "$plugin") ||
+    fail "passed on otherwise"
+
+  # What was saved is compiled again.
+  echo 'error here' >>'my queues/spin_ring.hpp'
+  irt render --queue='my queues/spin_ring.hpp'
+  expect_code 2
+  expect_in err 'spin_ring.hpp:8:1: error'
+  expect_not_in out '<render>'
+  irt render --queue 'no/such.hpp'
+  expect_code 2
+  expect_in err 'there is no file no/such.hpp'
+}
+
+outside_queue_brings_what_it_needs() {
+  cd "$work" || exit 1
+  write_queue needy.hpp Needy
+  sed -i '1i #include "helper.h"' needy.hpp
+  irt render --queue needy.hpp
+  expect_code 2
+  expect_in err 'helper.h'
+  mkdir 'with space'
+  echo 'extern "C" int help();' >'with space/helper.h'
+  echo 'int help() { return 1; }' >'with space/helper.c'
+  irt render --include 'with space' --source 'with space/helper.c' --queue needy.hpp
+  expect_code 0
+  expect_in out '<needy>'
+  expect_not_in out '<--include>'
+  nm -D "$(sed -n 's/^<\(.*needy.so\)>$/\1/p' "$work/out")" | grep -q ' T help' ||
+    fail "the source is not in the plug-in"
+}
+
+outside_queue_of_several_is_named() {
+  cd "$work" || exit 1
+  write_queue two.hpp First Second
+  irt render --queue two.hpp
+  expect_code 2
+  expect_in err 'two.hpp:mine::First two.hpp:mine::Second'
+  irt render --queue two.hpp:Second
+  expect_code 0
+  expect_in out '<two-second>'
+  irt render --queue two.hpp:Third
+  expect_code 2
+  expect_in err 'no class template Third'
+  irt doctor --queue two.hpp:Second
+  expect_code 2
+  expect_in err 'doctor: takes no queue from outside the tree; these do: compare'
+}
+
 second_start_configures_nothing() {
   irt list
   [[ -f $project/build/logs/configure-release.log ]] || fail "the first start did not configure"

@@ -35,6 +35,19 @@ make_sandbox() {
 cmake_minimum_required(VERSION 3.25)
 project(sandbox LANGUAGES CXX)
 add_subdirectory(bench)
+add_custom_target(irt-development)
+install(FILES irt-config.cmake DESTINATION share/cmake/irt COMPONENT plugin)
+P
+  # A plug-in of it is whatever compiles.
+  cat >"$project/irt-config.cmake" <<'P'
+function(irt_add_plugin name header class)
+  cmake_parse_arguments(PARSE_ARGV 3 ARG "" "" "LINK;SOURCES")
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+  file(WRITE ${source} "#include \"${header}\"\ntemplate class ${class}<int>;\n")
+  add_library(${name} MODULE ${source} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES PREFIX "")
+  target_link_libraries(${name} PRIVATE ${ARG_LINK})
+endfunction()
 P
   cat >"$project/bench/CMakeLists.txt" <<'P'
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/frames)

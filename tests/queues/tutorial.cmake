@@ -1,6 +1,7 @@
-# Does what docs/add-a-queue.md says, with the page's own text: section 2 in a copy of the tree if
-# STEP is `inside`, section 3 if STEP is `outside`. SOURCE and BUILD are the project's folders, WORK
-# is one to work in; COMPILER, FLAGS and LAUNCHER are those of the project's build.
+# Does what docs/add-a-queue.md says, with the page's own text: section 3 in a copy of the tree if
+# STEP is `inside`, section 4 if STEP is `outside`. SOURCE and BUILD are the project's folders, WORK
+# is one to work in; COMPILER, FLAGS and LAUNCHER are those of the project's build; CHECK and SIMULATE
+# are its tools on virtual cores, empty where there are none.
 cmake_minimum_required(VERSION 3.25)
 
 # text_of(<out-var> <info>): the text of the page's fenced block whose first line is ```<info>.
@@ -47,6 +48,12 @@ else()
   run(${CMAKE_COMMAND} -S ${project} -B ${WORK}/outside/build ${options}
     -DCMAKE_PREFIX_PATH=${WORK}/prefix)
   run(${CMAKE_COMMAND} --build ${WORK}/outside/build)
+  if(CHECK)
+    set(plugin ${WORK}/outside/build/spin-ring.so)
+    run(${CHECK} --plugin ${plugin} --shape E|D --shape ED|ED)
+    run(${SIMULATE} --plugin ${plugin} --queue spin-ring,lock --cores 2 --time 0.01 --seeds 1
+      --out ${WORK}/outside/simulated)
+  endif()
 
   # The start that new_queue.cmake makes must build as it is.
   run(${CMAKE_COMMAND} -DNAME=brand-new -DINTO=${project}/new -P ${SOURCE}/queues/cmake/new_queue.cmake)
