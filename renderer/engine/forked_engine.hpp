@@ -2,11 +2,10 @@
 #pragma once
 
 #include <chrono>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "renderer/engine/early_end.hpp"
 #include "renderer/engine/engine.hpp"
 #include "renderer/engine/task_pool.hpp"
 #include "renderer/engine/trace_and_shade.hpp"
@@ -33,7 +32,8 @@ class ForkedEngine final : public Engine {
       : options_(options),
         accelerator_(accelerator),
         pool_(options.threads, options.rays_per_task),
-        system_(options.threads) {
+        system_(options.threads),
+        early_end_(options.cancel) {
     for (unsigned i = 0; i < options.threads; ++i) {
       workers_.push_back(std::make_unique<Worker>(options.rays_per_task));
     }
@@ -68,11 +68,6 @@ class ForkedEngine final : public Engine {
         std::chrono::duration_cast<std::chrono::nanoseconds>(now - me.mark).count());
     me.mark = now;
   }
-  bool discarding() const {
-    // Relaxed: a flag to stop early; what it protects is ordered by the end of the frame.
-    return failed_.load(std::memory_order_relaxed) ||
-           (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed));
-  }
 
   EngineOptions options_;
   const Accelerator& accelerator_;
@@ -80,9 +75,7 @@ class ForkedEngine final : public Engine {
   System system_;
   Application* application_ = nullptr;
   std::vector<std::unique_ptr<Worker>> workers_;
-  std::mutex error_mutex_;
-  std::exception_ptr error_;
-  std::atomic<bool> failed_{false};
+  EarlyEnd early_end_;
 };
 
 template <class System>
@@ -108,19 +101,13 @@ template <class System>
 void ForkedEngine<System>::work_on(Worker& me, unsigned index, Task& task) {
   if (options_.measure) me.mark = Clock::now();
   TaskSink children(pool_, index);
-  if (!discarding()) {
-    ++me.stats.tasks;
-    me.stats.rays[static_cast<std::size_t>(task.kind)] += task.rays.size;
-    const bool profiled = options_.measure && options_.profile_every != 0 &&
-                          me.stats.tasks % options_.profile_every == 0;
+  if (!early_end_.is_here()) {
     try {
-      trace_and_shade(task, accelerator_, *application_, me.answers, children,
-                      profiled ? &me.stats.profile : nullptr,
-                      [&] { charge(me, profiled ? me.stats.profiled_ns : me.stats.trace_ns); });
+      trace_and_shade(task, accelerator_, *application_, me.answers, children, me.stats,
+                      options_.measure ? options_.profile_every : 0,
+                      [&](std::uint64_t& account) { charge(me, account); });
     } catch (...) {
-      const std::scoped_lock lock(error_mutex_);
-      if (!error_) error_ = std::current_exception();
-      failed_.store(true, std::memory_order_relaxed);
+      early_end_.note_exception();
       children.discard();
     }
     charge(me, me.stats.shade_ns);
@@ -136,8 +123,7 @@ template <class System>
 FrameStats ForkedEngine<System>::run(Application& application) {
   pool_.level();
   for (auto& worker : workers_) worker->stats = {};
-  error_ = nullptr;
-  failed_ = false;
+  early_end_.reset();
   application_ = &application;
 
   const Clock::time_point begin = Clock::now();
@@ -157,7 +143,7 @@ FrameStats ForkedEngine<System>::run(Application& application) {
   frame.generate_s = Seconds(generated - begin).count();
   frame.render_s = Seconds(rendered - generated).count();
   collect(frame);
-  if (error_) std::rethrow_exception(error_);
+  early_end_.rethrow();
 
   const Clock::time_point collected = Clock::now();
   if (!frame.cancelled) application.finish_frame();
@@ -174,7 +160,7 @@ void ForkedEngine<System>::collect(FrameStats& frame) {
     frame.workers.push_back(worker->stats);
   }
   frame.lost = pool_.in_use();
-  frame.cancelled = options_.cancel != nullptr && *options_.cancel;
+  frame.cancelled = early_end_.is_cancelled();
 }
 
 }  // namespace irt

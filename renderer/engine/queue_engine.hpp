@@ -6,7 +6,6 @@
 
 #include <barrier>
 #include <chrono>
-#include <exception>
 #include <thread>
 #include <utility>
 
@@ -108,8 +107,7 @@ template <class Queue, bool measured, bool traced>
 FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
   shared_.pool.level();
   for (auto& worker : workers_) worker->stats() = {};
-  shared_.error = nullptr;
-  shared_.failed = false;
+  shared_.early_end.reset();
   shared_.doubled = 0;
   shared_.application = &application;
   shared_.leaves_when_empty = shared_.options.termination == Termination::leave_when_empty;
@@ -132,7 +130,7 @@ FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
   barrier_.arrive_and_wait();  // the frame is finished
   const Clock::time_point rendered = Clock::now();
   collect(frame, rendered);
-  if (shared_.error) std::rethrow_exception(shared_.error);
+  shared_.early_end.rethrow();
 
   const Clock::time_point collected = Clock::now();
   if (!frame.cancelled) application.finish_frame();
@@ -160,7 +158,7 @@ void QueueEngine<Queue, measured, traced>::collect(FrameStats& frame, Clock::tim
   frame.lost = tasks_in_use();
   forgotten_ += frame.lost;
   frame.doubled = shared_.doubled;
-  frame.cancelled = shared_.options.cancel != nullptr && *shared_.options.cancel;
+  frame.cancelled = shared_.early_end.is_cancelled();
   for (const auto& worker : workers_) frame.workers.push_back(worker->stats());
 }
 

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
+#include "renderer/engine/early_end.hpp"
 #include "renderer/engine/engine.hpp"
 #include "renderer/engine/render_loop.hpp"
 #include "renderer/engine/task_pool.hpp"
@@ -34,9 +33,7 @@ struct SharedByThreads {
   Clock::time_point frame_begin{};
   bool leaves_when_empty = false;
 
-  std::mutex error_mutex{};
-  std::exception_ptr error{};
-  std::atomic<bool> failed{false};
+  EarlyEnd early_end{options.cancel};
   alignas(128) std::atomic<std::int64_t> outstanding{0};
   alignas(128) std::atomic<std::uint64_t> doubled{0};
 };
@@ -110,14 +107,6 @@ class alignas(128) RenderThread {
   void waited() { charge(Activity::idle, stats_.idle_ns); }
   void overflowed() { ++stats_.overflowed; }
 
-  void trace(const Task& task, TaskSink& children);
-  bool discarding() const {
-    // Relaxed: a flag to stop early; what it protects is ordered by the barrier or the mutex.
-    return shared_.failed.load(std::memory_order_relaxed) ||
-           (shared_.options.cancel != nullptr &&
-            shared_.options.cancel->load(std::memory_order_relaxed));
-  }
-
   // Charges the time since the last call to `account`, and to `each`, and goes on from now.
   void charge(Activity activity, std::uint64_t& account, TimeHistogram* each = nullptr) {
     if constexpr (measured) {
@@ -181,33 +170,19 @@ std::vector<Task*> RenderThread<Queue, measured, traced>::answer(Task& task, boo
   }
 
   TaskSink children(shared_.pool, index_);
-  if (!discarding()) {
+  if (!shared_.early_end.is_here()) {
     try {
-      trace(*source, children);
+      trace_and_shade(*source, shared_.accelerator, *shared_.application, answers_, children,
+                      stats_, measured ? shared_.options.profile_every : 0,
+                      [&](std::uint64_t& account) { charge(Activity::trace, account); });
     } catch (...) {
-      const std::scoped_lock lock(shared_.error_mutex);
-      if (!shared_.error) shared_.error = std::current_exception();
-      shared_.failed.store(true, std::memory_order_relaxed);
+      shared_.early_end.note_exception();
       children.discard();
     }
   }
   std::vector<Task*> made = std::move(children.finish());
   if (first_time) shared_.pool.recycle(index_, task);
   return made;
-}
-
-template <class Queue, bool measured, bool traced>
-void RenderThread<Queue, measured, traced>::trace(const Task& task, TaskSink& children) {
-  ++stats_.tasks;
-  stats_.rays[static_cast<std::size_t>(task.kind)] += task.rays.size;
-  TraceProfile* profile = nullptr;
-  if constexpr (measured) {
-    const std::uint32_t every = shared_.options.profile_every;
-    if (every != 0 && stats_.tasks % every == 0) profile = &stats_.profile;
-  }
-  std::uint64_t& trace_time = profile != nullptr ? stats_.profiled_ns : stats_.trace_ns;
-  trace_and_shade(task, shared_.accelerator, *shared_.application, answers_, children, profile,
-                  [&] { charge(Activity::trace, trace_time); });
 }
 
 template <class Queue, bool measured, bool traced>

@@ -6,6 +6,7 @@
 
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/engine/application.hpp"
+#include "renderer/engine/engine.hpp"
 
 namespace irt {
 
@@ -32,6 +33,20 @@ void trace_and_shade(const Task& task, const Accelerator& accelerator, Applicati
     traced();
     application.on_hits(task, answers.hits, children);
   }
+}
+
+/// The same, counted in `stats`. One task of `profile_every` is profiled; 0: none. `traced` is told
+/// the account that the time belongs to.
+template <class Traced>
+void trace_and_shade(const Task& task, const Accelerator& accelerator, Application& application,
+                     Answers& answers, TaskSink& children, WorkerStats& stats,
+                     std::uint32_t profile_every, Traced traced) {
+  ++stats.tasks;
+  stats.rays[static_cast<std::size_t>(task.kind)] += task.rays.size;
+  const bool profiled = profile_every != 0 && stats.tasks % profile_every == 0;
+  trace_and_shade(task, accelerator, application, answers, children,
+                  profiled ? &stats.profile : nullptr,
+                  [&] { traced(profiled ? stats.profiled_ns : stats.trace_ns); });
 }
 
 }  // namespace irt
