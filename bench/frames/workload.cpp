@@ -186,10 +186,7 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   build_s_ = seconds_since(loaded);
   frame_ = entry_of(frame_buffers(), options_.frame_buffer, "frame buffer")
                .make(options_.width, options_.height);
-  const ShaderOptions shading{
-      .max_depth = options_.depth,
-      .secondary = entry_of(secondary_ways(), options_.secondary, "way of secondary rays").how};
-  shader_ = shader.make(scene_, *frame_, shading);
+  shader_ = make_shader(*frame_);
   try {
     application_ = std::make_unique<ImageRendering>(scene_.camera, *frame_, *shader_,
                                                     options_.task_size, options_.samples_per_pixel);
@@ -243,6 +240,14 @@ std::unique_ptr<Engine> Workload::start_engine(const EngineOptions& options,
     throw UsageError(fmt::format("--threads {}: the system does not start that many ({})",
                                  options.threads, error.code().message()));
   }
+}
+
+std::unique_ptr<Shader> Workload::make_shader(FrameBuffer& frame) const {
+  std::string shader = options_.shader, way = options_.secondary;
+  const ShaderOptions shading{
+      .max_depth = options_.depth,
+      .secondary = entry_of(secondary_ways(), way, "way of secondary rays").how};
+  return entry_of(shaders(), shader, "shader").make(scene_, frame, shading);
 }
 
 EngineOptions Workload::engine_options(unsigned threads) const {

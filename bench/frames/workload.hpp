@@ -98,6 +98,9 @@ class Workload {
   /// Throws UsageError if the threads cannot be started.
   std::unique_ptr<Engine> start_engine(const EngineOptions& options, const QueueEntry& queue) const;
 
+  /// A shader as the options say, which adds to `frame`. Both outlive it.
+  std::unique_ptr<Shader> make_shader(FrameBuffer& frame) const;
+
   /// Options of an engine for this workload, but for its threads.
   EngineOptions engine_options(unsigned threads) const;
 

@@ -4,7 +4,6 @@
 #include <ctime>
 #include <memory>
 #include <span>
-#include <stdexcept>
 
 #include "bench/many_core/calibration/primitives.hpp"
 #include "bench/statistics/averages.hpp"
@@ -43,18 +42,6 @@ double thread_ns() {
   return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
 }
 
-const ShaderEntry& shader_named(std::string_view name) {
-  const auto found = std::ranges::find(shaders(), name, &ShaderEntry::name);
-  if (found == shaders().end()) throw std::logic_error("the options were not checked");
-  return *found;
-}
-
-SecondaryRays way_named(std::string_view name) {
-  const auto found = std::ranges::find(secondary_ways(), name, &SecondaryEntry::name);
-  if (found == secondary_ways().end()) throw std::logic_error("the options were not checked");
-  return found->how;
-}
-
 // Renders one frame after the other, each into a Recording of its own.
 class Recorder {
  public:
@@ -62,10 +49,7 @@ class Recorder {
       : workload_(workload),
         size_(workload.options().task_size),
         frame_(workload.options().width, workload.options().height),
-        shader_(shader_named(workload.options().shader)
-                    .make(workload.scene(), frame_,
-                          {.max_depth = workload.options().depth,
-                           .secondary = way_named(workload.options().secondary)})),
+        shader_(workload.make_shader(frame_)),
         application_(workload.scene().camera, frame_, *shader_, size_,
                      workload.options().samples_per_pixel),
         pool_(1, size_),
