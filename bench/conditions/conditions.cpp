@@ -1,7 +1,9 @@
 #include "bench/conditions/conditions.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <ctime>
+#include <gnu/libc-version.h>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -70,6 +72,14 @@ nlohmann::json lasting_conditions(const nlohmann::json& conditions) {
     if (conditions.contains(name)) kept[name] = conditions[name];
   }
   return kept;
+}
+
+std::string allocator() {
+  std::string text = std::string("glibc ") + gnu_get_libc_version();
+  if (const char* preloaded = std::getenv("LD_PRELOAD")) {
+    text += std::string(", preloaded: ") + preloaded;
+  }
+  return text;
 }
 
 }  // namespace irt

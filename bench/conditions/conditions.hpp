@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
 
 namespace irt {
@@ -17,5 +18,8 @@ nlohmann::json conditions(std::string_view pinning = "none");
 
 /// Of all conditions, those that make figures incomparable when they change.
 nlohmann::json lasting_conditions(const nlohmann::json& conditions);
+
+/// Who gives this process memory: glibc with its version, and what was loaded before it.
+std::string allocator();
 
 }  // namespace irt

@@ -1,13 +1,14 @@
 #include "bench/contention/resources.hpp"
 
 #include <cstdlib>
-#include <ctime>
 #include <fmt/format.h>
 #include <fstream>
 #include <malloc.h>
 #include <pthread.h>
 #include <string_view>
 #include <sys/resource.h>
+
+#include "bench/running/clocks.hpp"
 
 namespace irt::contention {
 namespace {
@@ -51,11 +52,8 @@ Usage usage_so_far(std::span<std::thread> threads) {
     // Not from getrusage(2), which knows of threads that run only what they had used at the last
     // tick, some milliseconds ago.
     clockid_t clock{};
-    timespec time{};
     if (pthread_getcpuclockid(thread.native_handle(), &clock) != 0) continue;
-    clock_gettime(clock, &time);
-    usage.cpu_seconds +=
-        static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+    usage.cpu_seconds += seconds_by(clock);
   }
   rusage all{}, own{};
   getrusage(RUSAGE_SELF, &all);

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <fmt/format.h>
-#include <gnu/libc-version.h>
 #include <map>
 #include <optional>
 
+#include "bench/conditions/conditions.hpp"
 #include "bench/contention/histogram.hpp"
 #include "bench/results/record.hpp"
 #include "bench/statistics/averages.hpp"
@@ -108,14 +107,6 @@ Json not_counted(const Row& row, const Group& group) {
   if (group.counted == nullptr) return "not yet measured";
   if (group.counted->status == "ok") return nullptr;
   return group.counted->status + ": " + group.counted->message;
-}
-
-std::string allocator() {
-  std::string text = fmt::format("glibc {}", gnu_get_libc_version());
-  if (const char* preloaded = std::getenv("LD_PRELOAD")) {
-    text += fmt::format(", preloaded: {}", preloaded);
-  }
-  return text;
 }
 
 std::string bound_text(const Row& row, const Group& group) {

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
-#include <ctime>
 #include <fmt/format.h>
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/frames/commands.hpp"
 #include "bench/frames/files.hpp"
 #include "bench/frames/summary.hpp"
+#include "bench/running/clocks.hpp"
 #include "bench/running/interrupt.hpp"
 #include "bench/statistics/averages.hpp"
 #include "queues/blocking/two_lock_queue.hpp"
@@ -26,9 +26,7 @@ std::unique_ptr<Engine> concrete_engine(const EngineOptions& options,
 
 // Of all threads of this process: what neighbours on the machine disturb least.
 double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  return seconds_by(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 // By how much `seconds` are more than `base`, round by round.

@@ -1,10 +1,9 @@
 #include "bench/frames/summary.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fmt/format.h>
-#include <gnu/libc-version.h>
 
+#include "bench/conditions/conditions.hpp"
 #include "bench/results/record.hpp"
 #include "bench/statistics/averages.hpp"
 
@@ -69,12 +68,6 @@ TimeHistogram histogram(const std::vector<std::uint64_t>& counts) {
   TimeHistogram times;
   std::copy_n(counts.begin(), std::min(counts.size(), times.counts.size()), times.counts.begin());
   return times;
-}
-
-std::string allocator() {
-  const char* preloaded = std::getenv("LD_PRELOAD");
-  return fmt::format("glibc {}{}", gnu_get_libc_version(),
-                     preloaded == nullptr ? "" : fmt::format(", preloaded: {}", preloaded));
 }
 
 Json run_of(const Group& group, const Background& background, double one_thread_fps) {

@@ -1,11 +1,11 @@
 #include "bench/many_core/renderer/recording.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <memory>
 #include <span>
 
 #include "bench/many_core/calibration/primitives.hpp"
+#include "bench/running/clocks.hpp"
 #include "bench/statistics/averages.hpp"
 #include "renderer/engine/trace_and_shade.hpp"
 #include "renderer/tracing/stopwatch.hpp"
@@ -37,9 +37,7 @@ double span_ns(std::uint64_t from, std::uint64_t to) {
 
 // For phases so long that they would lose the core on a crowded machine.
 double thread_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
+  return 1e9 * seconds_by(CLOCK_THREAD_CPUTIME_ID);
 }
 
 // Renders one frame after the other, each into a Recording of its own.

@@ -1,7 +1,9 @@
 #include "bench/conditions/conditions.hpp"
 
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <thread>
 
 #include "bench/conditions/topology.hpp"
@@ -21,6 +23,19 @@ TEST(Conditions, NameMachineBuildAndPinning) {
         "transparent_huge_pages", "load_average", "kernel", "compiler", "build_type"}) {
     EXPECT_TRUE(found.contains(key)) << key;
   }
+}
+
+TEST(Conditions, NameTheAllocatorAndWhatStandsBeforeIt) {
+  const char* before = std::getenv("LD_PRELOAD");
+  const std::string was = before == nullptr ? "" : before;
+  unsetenv("LD_PRELOAD");
+  const std::string alone = allocator();
+  setenv("LD_PRELOAD", "/usr/lib/other.so", 1);
+  const std::string behind = allocator();
+  unsetenv("LD_PRELOAD");
+  if (before != nullptr) setenv("LD_PRELOAD", was.c_str(), 1);
+  EXPECT_TRUE(alone.starts_with("glibc 2.")) << alone;
+  EXPECT_EQ(behind, alone + ", preloaded: /usr/lib/other.so");
 }
 
 TEST(Topology, IsConsistent) {
