@@ -1,7 +1,7 @@
 // Compiled for virtual cores: a queue whose pop never returns.
 #include <atomic>
 
-#include "queues/work_queue.hpp"
+#include "queues/plugin.hpp"
 
 namespace irt {
 namespace {
@@ -25,12 +25,10 @@ class StuckQueue {
   std::atomic<bool> ready_{false};
 };
 
-constexpr QueueEntry entry = queue_entry<StuckQueue>("stuck");
-
 }  // namespace
 }  // namespace irt
 
-extern "C" const irt::QueueEntry* irt_queue_entry();
-extern "C" const irt::QueueEntry* irt_queue_entry() {
-  return &irt::entry;
+extern "C" {
+extern const irt::PluginDescriptor irt_plugin;
+const irt::PluginDescriptor irt_plugin{.entry = irt::queue_entry<irt::StuckQueue>("stuck")};
 }
