@@ -130,6 +130,18 @@ class ByLane {
   alignas(64) float values_[sizeof(From) / sizeof(Floats<N>)][N];
 };
 
+/// A corner, the edges from there, and what these span.
+template <class F>
+struct SpannedTriangle {
+  using Value = F;
+  VecOf<F> a, edge1, edge2, normal;
+
+  template <class Next>
+  HWY_INLINE static SpannedTriangle from(Next& next) {
+    return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next)};
+  }
+};
+
 /// Möller and Trumbore 1997, "Fast, minimum storage ray/triangle intersection", with the triple
 /// products turned so that the direction comes last: what it is multiplied with depends on the
 /// triangle and the origin alone. No division happens before the sides are known, and the
@@ -137,16 +149,7 @@ class ByLane {
 /// square of the edges, so no other threshold suits all meshes.
 struct MollerTrumbore {
   template <class F>
-  struct Triangle {
-    using Value = F;
-    VecOf<F> a, edge1, edge2, normal;
-
-    template <class Next>
-    HWY_INLINE static Triangle from(Next& next) {
-      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
-              VecOf<F>::from(next)};
-    }
-  };
+  using Triangle = SpannedTriangle<F>;
   template <class F>
   struct Seen {
     using Value = F;
@@ -190,16 +193,7 @@ struct MollerTrumbore {
 /// volumes with the normal computed beforehand, which saves a cross product per test.
 struct KenslerShirley {
   template <class F>
-  struct Triangle {
-    using Value = F;
-    VecOf<F> a, edge1, edge2, normal;
-
-    template <class Next>
-    HWY_INLINE static Triangle from(Next& next) {
-      return {VecOf<F>::from(next), VecOf<F>::from(next), VecOf<F>::from(next),
-              VecOf<F>::from(next)};
-    }
-  };
+  using Triangle = SpannedTriangle<F>;
   template <class F>
   struct Seen {
     using Value = F;
