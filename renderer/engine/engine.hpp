@@ -67,8 +67,8 @@ struct WorkerStats {
   std::uint64_t add_ns = 0;             ///< in pushes
   std::uint64_t idle_ns = 0;            ///< in pops that found nothing, and waiting between them
   std::uint64_t trace_ns = 0;           ///< traversal and intersection of unprofiled tasks
-  std::uint64_t shade_ns = 0;           ///< in the application, of unprofiled tasks
-  std::uint64_t profiled_ns = 0;        ///< all of the profiled tasks
+  std::uint64_t shade_ns = 0;           ///< in the application
+  std::uint64_t profiled_ns = 0;        ///< traversal and intersection of profiled tasks
   std::uint64_t barrier_ns = 0;         ///< at the barrier that ends the frame
   TraceProfile profile;                 ///< of the profiled tasks
   TimeHistogram gets, adds;             ///< each pop that found a task, each push

@@ -106,7 +106,7 @@ void QueueEngine<Queue, measured, traced>::thread_main(Worker& me, unsigned inde
 template <class Queue, bool measured, bool traced>
 FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
   shared_.pool.level();
-  for (auto& worker : workers_) worker->stats() = {};
+  for (auto& worker : workers_) worker->reset();
   shared_.early_end.reset();
   shared_.doubled = 0;
   shared_.application = &application;

@@ -54,6 +54,12 @@ class alignas(128) RenderThread {
         answers_(shared.options.rays_per_task),
         spare_(shared.options.rays_per_task) {}
 
+  /// Before a frame, while no thread works.
+  void reset() {
+    stats_ = {};
+    idle_ = false;
+  }
+
   /// Works on the frame until there is nothing left to do.
   void work() {
     if constexpr (measured) mark_ = Clock::now();
@@ -72,8 +78,8 @@ class alignas(128) RenderThread {
     }
   }
 
-  /// Of a frame, from the moment they are set to {}.
-  WorkerStats& stats() { return stats_; }
+  /// Since `reset`.
+  const WorkerStats& stats() const { return stats_; }
   const std::atomic<bool>& is_idle() const { return idle_; }
 
  private:

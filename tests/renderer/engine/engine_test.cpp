@@ -1,8 +1,10 @@
 #include "renderer/engine/engine.hpp"
 
+#include <chrono>
 #include <gtest/gtest.h>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "renderer/engine/placement.hpp"
 #include "tests/renderer/engine/brute_force.hpp"
@@ -85,6 +87,49 @@ TEST_F(EngineTest, ALostTaskIsReportedNotWaitedFor) {
     EXPECT_EQ(next.lost, 0u);
     EXPECT_EQ(application.count, application.rays());
   }
+}
+
+// A first task that takes longer than lost ones are waited for, and two children that end when both
+// are worked on.
+class SlowStart final : public Application {
+ public:
+  void start_frame(TaskSink& tasks) override { add(tasks, 0); }
+  void on_hits(const Task& task, const Hits& /*hits*/, TaskSink& tasks) override {
+    if (!slow) return;
+    if (task.depth == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2600));
+      add(tasks, 1);
+      add(tasks, 1);
+      return;
+    }
+    ++at_work;
+    for (int i = 0; i < 5000 && at_work < 2; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  void on_occlusion(const Task& /*task*/, std::span<const std::uint8_t> /*occluded*/,
+                    TaskSink& /*tasks*/) override {}
+  void finish_frame() override {}
+
+  bool slow = false;
+  std::atomic<int> at_work{0};
+
+ private:
+  static void add(TaskSink& tasks, std::uint32_t depth) {
+    tasks.add(TaskKind::primary, depth).rays.add({{}, {1, 0, 0}}, {1, 1, 1}, 0);
+  }
+};
+
+TEST_F(EngineTest, ALongTaskIsNoLostOne) {
+  auto engine = make_engine(options(2, Termination::outstanding_count), plain_queue, accelerator);
+  SlowStart application;
+  engine->run(application);
+  application.slow = true;
+  const auto begin = std::chrono::steady_clock::now();
+  engine->run(application);
+  EXPECT_EQ(application.at_work, 2);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(2600 + 4000))
+      << "the other thread has left";
 }
 
 TEST_F(EngineTest, ADoubledTaskIsReportedAndTracedTwice) {
