@@ -1,24 +1,9 @@
 #include "bench/conditions/topology.hpp"
 
-#include <hwloc.h>
-#include <memory>
-#include <stdexcept>
+#include "bench/conditions/hwloc.hpp"
 
 namespace irt {
 namespace {
-
-using HwlocTopology = std::unique_ptr<hwloc_topology, decltype(&hwloc_topology_destroy)>;
-
-HwlocTopology load() {
-  hwloc_topology_t raw = nullptr;
-  if (hwloc_topology_init(&raw) != 0) throw std::runtime_error("hwloc: cannot start");
-  HwlocTopology topology(raw, &hwloc_topology_destroy);
-  hwloc_topology_set_type_filter(raw, HWLOC_OBJ_L1ICACHE, HWLOC_TYPE_FILTER_KEEP_ALL);
-  if (hwloc_topology_load(raw) != 0) {
-    throw std::runtime_error("hwloc: cannot read this machine's processors");
-  }
-  return topology;
-}
 
 /// Objects of `type` that hold at least one processor of `allowed`.
 unsigned count_within(hwloc_topology_t topology, hwloc_obj_type_t type,
@@ -34,14 +19,9 @@ unsigned count_within(hwloc_topology_t topology, hwloc_obj_type_t type,
 }  // namespace
 
 Topology survey_topology() {
-  const HwlocTopology loaded = load();
+  const HwlocTopology loaded = load_hwloc();
   hwloc_topology_t topology = loaded.get();
-
-  const std::unique_ptr<hwloc_bitmap_s, decltype(&hwloc_bitmap_free)> allowed(hwloc_bitmap_alloc(),
-                                                                              &hwloc_bitmap_free);
-  if (hwloc_get_cpubind(topology, allowed.get(), HWLOC_CPUBIND_PROCESS) != 0) {
-    hwloc_bitmap_copy(allowed.get(), hwloc_topology_get_allowed_cpuset(topology));
-  }
+  const HwlocSet allowed = allowed_processors(topology);
 
   Topology found;
   found.packages = count_within(topology, HWLOC_OBJ_PACKAGE, allowed.get());

@@ -4,15 +4,14 @@
 #include <array>
 #include <cerrno>
 #include <fmt/format.h>
-#include <hwloc.h>
 #include <map>
 #include <memory>
 #include <pthread.h>
 #include <sched.h>
 #include <set>
-#include <stdexcept>
 #include <system_error>
 
+#include "bench/conditions/hwloc.hpp"
 #include "queues/nearest.hpp"
 #include "stress/running/usage_error.hpp"
 
@@ -98,18 +97,9 @@ unsigned number_of(hwloc_topology_t topology, hwloc_obj_type_t type, hwloc_obj_t
 }  // namespace
 
 Machine survey_machine() {
-  hwloc_topology_t topology = nullptr;
-  if (hwloc_topology_init(&topology) != 0) throw std::runtime_error("hwloc: cannot start");
-  const std::unique_ptr<hwloc_topology, decltype(&hwloc_topology_destroy)> owner(
-      topology, &hwloc_topology_destroy);
-  if (hwloc_topology_load(topology) != 0) {
-    throw std::runtime_error("hwloc: cannot read this machine's processors");
-  }
-  const std::unique_ptr<hwloc_bitmap_s, decltype(&hwloc_bitmap_free)> allowed(hwloc_bitmap_alloc(),
-                                                                              &hwloc_bitmap_free);
-  if (hwloc_get_cpubind(topology, allowed.get(), HWLOC_CPUBIND_PROCESS) != 0) {
-    hwloc_bitmap_copy(allowed.get(), hwloc_topology_get_allowed_cpuset(topology));
-  }
+  const HwlocTopology loaded = load_hwloc();
+  hwloc_topology_t topology = loaded.get();
+  const HwlocSet allowed = allowed_processors(topology);
   Machine machine;
   machine.knows_caches = hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_L3CACHE) > 0;
   std::map<unsigned, unsigned> siblings;

@@ -2,29 +2,15 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <hwloc.h>
-#include <memory>
 #include <set>
 #include <stdexcept>
 #include <tuple>
 
+#include "bench/conditions/hwloc.hpp"
 #include "bench/conditions/system.hpp"
 
 namespace irt::many_core {
 namespace {
-
-using HwlocTopology = std::unique_ptr<hwloc_topology, decltype(&hwloc_topology_destroy)>;
-using HwlocSet = std::unique_ptr<hwloc_bitmap_s, decltype(&hwloc_bitmap_free)>;
-
-HwlocTopology load_topology() {
-  hwloc_topology_t raw = nullptr;
-  if (hwloc_topology_init(&raw) != 0) throw std::runtime_error("hwloc: cannot start");
-  HwlocTopology topology(raw, &hwloc_topology_destroy);
-  if (hwloc_topology_load(raw) != 0) {
-    throw std::runtime_error("hwloc: cannot read this machine's processors");
-  }
-  return topology;
-}
 
 // The number of the group of `type` that `unit` is in; 0 where there are none.
 unsigned group_of(hwloc_topology_t topology, hwloc_obj_type_t type, hwloc_obj_t unit) {
@@ -249,12 +235,9 @@ void write_wake(Author& author, const std::vector<Place>& places, Calibration& c
 }  // namespace
 
 std::vector<Place> survey_places() {
-  const HwlocTopology loaded = load_topology();
+  const HwlocTopology loaded = load_hwloc();
   hwloc_topology_t topology = loaded.get();
-  const HwlocSet allowed(hwloc_bitmap_alloc(), &hwloc_bitmap_free);
-  if (hwloc_get_cpubind(topology, allowed.get(), HWLOC_CPUBIND_PROCESS) != 0) {
-    hwloc_bitmap_copy(allowed.get(), hwloc_topology_get_allowed_cpuset(topology));
-  }
+  const HwlocSet allowed = allowed_processors(topology);
   std::vector<Place> places;
   for (hwloc_obj_t unit = nullptr;
        (unit = hwloc_get_next_obj_by_type(topology, HWLOC_OBJ_PU, unit)) != nullptr;) {
