@@ -28,6 +28,7 @@ new_queue() {
   cat <<N
 Started the queue $name in $folder. It works as it is; each of these builds what it needs of it:
 
+  $irt watch $header
   $irt check --queue $header
   $irt stress --queue $header
   $irt stress --sanitizer tsan --queue $header

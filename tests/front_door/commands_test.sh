@@ -8,7 +8,7 @@ help_names_every_command() {
     irt "$command"
     expect_code 0
     local known
-    for known in compare render list doctor bench new test lint help; do
+    for known in compare render list doctor bench new watch test lint help; do
       grep -qE "^  $known " "$work/out" || fail "$command does not name $known"
     done
   done
@@ -94,6 +94,24 @@ new_starts_a_queue_and_overwrites_nothing() {
   expect_in err "'MyQueue' is not a name"
   irt new
   expect_code 2
+}
+
+watch_wants_one_header() {
+  irt watch
+  expect_code 2
+  expect_in err 'is not the header of a queue'
+  irt watch lfree
+  expect_code 2
+  expect_in err "'lfree' is not the header of a queue"
+  irt watch a.hpp b.hpp
+  expect_code 2
+  expect_in err 'one header at a time'
+  irt watch no/such.hpp
+  expect_code 2
+  expect_in err 'there is no file no/such.hpp'
+  irt help watch
+  expect_code 0
+  [[ ! -e $project/build ]] || fail "something was built"
 }
 
 # write_queue FILE CLASS... : a header with these class templates.
