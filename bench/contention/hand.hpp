@@ -1,5 +1,5 @@
-/// The operations of one thread on one queue, as the programs use them: counted, and stamped where
-/// latency is measured.
+/// The operations of one thread on one queue, as the programs of stress/scenarios/contention.hpp
+/// use them: counted, and stamped where latency is measured.
 #pragma once
 
 #include "bench/contention/seat.hpp"
@@ -29,7 +29,69 @@ class Hand {
 
   [[gnu::always_inline]] bool running() const { return !stop_.load(std::memory_order_relaxed); }
 
-  /// Pushes `element`; false for *full*.
+  /// One try each, with a fresh element; the element with a tag.
+  [[gnu::always_inline]] bool push() { return push(fresh()); }
+  [[gnu::always_inline]] bool pop() {
+    // Not the member itself: the queue's code might keep its address, and with it the whole hand.
+    std::uint64_t element = 0;
+    const bool found = pop(element);
+    if (found) taken_ = element;
+    return found;
+  }
+  [[gnu::always_inline]] bool push_tagged(unsigned tag) { return push(fresh() * tags + tag); }
+  [[gnu::always_inline]] bool pop_tagged(unsigned& tag) {
+    const bool found = pop();
+    if (found) tag = static_cast<unsigned>(taken_ % tags);
+    return found;
+  }
+
+  /// Tries until it succeeds; false where the measurement ends before.
+  [[gnu::always_inline]] bool push_until_accepted() { return push_until_accepted(fresh()); }
+  [[gnu::always_inline]] bool pop_until_found() {
+    while (running()) {
+      if (pop()) return true;
+    }
+    return false;
+  }
+
+  /// The same, with work after it. To ask whether a push came before the end takes registers that
+  /// loops then lack, and loops that go on ask `running`.
+  [[gnu::always_inline]] bool put() { return put(fresh()); }
+  [[gnu::always_inline]] bool put_back() { return put(taken_); }
+  [[gnu::always_inline]] bool take() {
+    const bool found = pop_until_found();
+    work();
+    return found;
+  }
+
+  /// The work between operations.
+  [[gnu::always_inline]] void work() { busy_wait(waits_.next()); }
+
+  [[gnu::always_inline]] std::uint64_t random(std::uint64_t bound) {
+    return seat_.random.below(bound);
+  }
+  [[gnu::always_inline]] bool produces() const { return seat_.table.roles.pushes(worker_); }
+  [[gnu::always_inline]] bool meet() { return seat_.table.gate.pass(stop_); }
+  static constexpr Burst burst() { return {}; }
+
+  /// Waits while the queue holds more than `backlog` elements, or an unbounded queue would grow as
+  /// long as producers are faster than consumers. Looks at the others' counts every 64 pushes, from
+  /// afar enough not to disturb them. False once the measurement has ended.
+  [[gnu::always_inline]] bool consumers_caught_up() {
+    if (pushes_ % 64 != 0) return running();
+    while (running() && inside() > seat_.table.backlog) {
+      counts_.held_back.store(++held_back_, std::memory_order_relaxed);
+      busy_wait(seat_.table.pause_steps);
+    }
+    return running();
+  }
+  [[gnu::always_inline]] void rest() { busy_wait(seat_.producer_pause_steps); }
+
+ private:
+  /// An element that no other push of the measurement brings.
+  [[gnu::always_inline]] std::uint64_t fresh() const {
+    return (std::uint64_t{worker_ + 1} << 40) | pushes_;
+  }
   [[gnu::always_inline]] bool push(std::uint64_t element) {
     if constexpr (stamped) {
       const std::uint64_t begin = stress::stamp_before();
@@ -41,8 +103,6 @@ class Hand {
     const bool accepted = queue_.push(worker_, element);
     return pushed(accepted, element);
   }
-
-  /// Pops into `element`; false for *empty*.
   [[gnu::always_inline]] bool pop(std::uint64_t& element) {
     if constexpr (stamped) {
       const std::uint64_t begin = stress::stamp_before();
@@ -54,46 +114,17 @@ class Hand {
     const bool found = queue_.pop(worker_, element);
     return popped(found, element);
   }
-
-  /// Tries until it succeeds; false where the measurement ends before.
   [[gnu::always_inline]] bool push_until_accepted(std::uint64_t element) {
     while (running()) {
       if (push(element)) return true;
     }
     return false;
   }
-  [[gnu::always_inline]] bool pop_until_found(std::uint64_t& element) {
-    while (running()) {
-      if (pop(element)) return true;
-    }
-    return false;
+  [[gnu::always_inline]] bool put(std::uint64_t element) {
+    push_until_accepted(element);
+    work();
+    return true;
   }
-
-  /// An element that no other push of the measurement brings.
-  [[gnu::always_inline]] std::uint64_t fresh() const {
-    return (std::uint64_t{worker_ + 1} << 40) | pushes_;
-  }
-
-  /// The work between operations.
-  [[gnu::always_inline]] void work() { busy_wait(waits_.next()); }
-
-  [[gnu::always_inline]] std::uint64_t random(std::uint64_t bound) {
-    return seat_.random.below(bound);
-  }
-  Seat& seat() { return seat_; }
-
-  /// Waits while the queue holds more than `backlog` elements, or an unbounded queue would grow as
-  /// long as producers are faster than consumers. Looks at the others' counts every 64 pushes, from
-  /// afar enough not to disturb them.
-  [[gnu::always_inline]] void let_consumers_catch_up() {
-    if (pushes_ % 64 != 0) return;
-    while (running() && inside() > seat_.table.backlog) {
-      counts_.held_back.store(++held_back_, std::memory_order_relaxed);
-      busy_wait(seat_.table.pause_steps);
-    }
-  }
-
- private:
   [[gnu::always_inline]] bool pushed(bool accepted, std::uint64_t element) {
     if (accepted) {
       counts_.pushes.store(++pushes_, std::memory_order_relaxed);
@@ -129,6 +160,7 @@ class Hand {
   Waits waits_;
   std::uint64_t pushes_ = 0, pops_ = 0, failed_pushes_ = 0, failed_pops_ = 0, held_back_ = 0;
   std::uint64_t in_ = 0, out_ = 0;
+  std::uint64_t taken_ = 0;  ///< the last element popped
 };
 
 }  // namespace irt::contention

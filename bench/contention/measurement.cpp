@@ -91,7 +91,7 @@ class Measurement {
     }
     // The histograms and whatever else is ours is in place: what comes now is the queue's.
     memory_.emplace();
-    subject_ = make(job.threads, job.capacity, scenario_.program == Program::ping_pong);
+    subject_ = make(job.threads, job.capacity, scenario_.has_two_queues());
   }
 
   Sample run(const std::function<void()>& await_turn,

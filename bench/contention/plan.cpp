@@ -37,7 +37,7 @@ void drop_repeats(std::vector<T>& values) {
 
 // What the claims, or a baseline's lack of elements, do not allow; empty where there is nothing.
 std::string obstacle(const Scenario& scenario, const Roles& roles, const Claims& claims) {
-  if (scenario.program == Program::frames && !claims.carries_elements) {
+  if (scenario.needs_elements() && !claims.carries_elements) {
     return "it carries no elements, and a task says what comes of it";
   }
   return contention::obstacle(roles, claims);

@@ -1,4 +1,4 @@
-/// Who pushes and pops what.
+/// The contention scenarios, as the command line chooses them.
 #pragma once
 
 #include <cstddef>
@@ -8,22 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "queues/roles.hpp"
+#include "stress/scenarios/contention.hpp"
 
 namespace irt::contention {
-
-/// What a thread does, over and over; see programs.hpp.
-enum class Program : std::uint8_t { pairs, exchange, bursts, sides, ping_pong, frames };
-
-struct Scenario {
-  std::string_view name;
-  std::string_view operation_mix;  ///< in words, for the results
-  Program program = Program::pairs;
-  Roles (*roles)(unsigned threads) = nullptr;
-  unsigned least_threads = 1;
-  double producer_pause_ns = 0;  ///< on top of the work between operations
-  double prefill = 0;            ///< share of the capacity that is inside all the time
-};
 
 /// The scenarios with a name. Beside them, "NxM" is N producers and M consumers.
 std::span<const Scenario> scenarios();

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string_view>
 
-#include "bench/contention/programs.hpp"
+#include "bench/contention/hand.hpp"
 #include "queues/registry.hpp"
 
 namespace irt::contention {
@@ -46,24 +46,10 @@ class SubjectOf final : public Subject {
  private:
   template <bool stamped>
   void run_stamped(Program program, Seat& seat) {
-    // A hand for each program: one that several share would have to live in memory.
-    const auto hand = [&seat](Queue& queue) { return Hand<Queue, stamped>(queue, seat); };
-    switch (program) {
-      case Program::pairs:
-        return pairs(hand(*first_));
-      case Program::exchange:
-        return exchange(hand(*first_));
-      case Program::bursts:
-        return bursts(hand(*first_));
-      case Program::sides:
-        return sides(hand(*first_));
-      case Program::frames:
-        return frames(hand(*first_));
-      case Program::ping_pong:
-        // Each thread pushes into one queue only and pops from the other only, so that the two
-        // hands do not overwrite each other's counts.
-        return ping_pong(hand(*first_), hand(*second_));
-    }
+    play(
+        program, [&](int queue) __attribute__((always_inline)) {
+          return Hand<Queue, stamped>(queue == 0 ? *first_ : *second_, seat);
+        });
   }
 
   std::unique_ptr<Queue> first_, second_;

@@ -28,6 +28,9 @@ int list(const virtual_cores::QueueModules& queues) {
     fmt::print("  {:<22} {:>4} threads  {}\n", profile.name, profile.threads(), profile.summary);
   fmt::print("queues\n");
   for (const std::string& name : queues.names()) fmt::print("  {}\n", name);
+  fmt::print("scenarios\n");
+  for (const contention::Scenario& each : contention::scenario_table)
+    fmt::print("  {:<22} {}\n", each.name, each.operation_mix);
   fmt::print("primitives\n");
   for (const auto& [name, summary] : primitives()) fmt::print("  {:<22} {}\n", name, summary);
   return 0;
@@ -54,7 +57,7 @@ int run(int argc, char** argv) {
   app.add_option("--cores,--threads", arguments.cores,
                  "threads: 1..128 (in steps of about a half), or a list as 1,2,4")
       ->capture_default_str();
-  app.add_option("--scenario", arguments.scenario, "pairs, producers-consumers or bursts")
+  app.add_option("--scenario", arguments.scenario, "who pushes and pops what (see --list)")
       ->capture_default_str();
   app.add_option("--work", sweep.work_ns, "work between operations, ns")
       ->capture_default_str()
@@ -83,7 +86,7 @@ int run(int argc, char** argv) {
                "compare with this machine and with published measurements");
   app.add_flag("--sensitivity", arguments.sensitivity,
                "say which conclusions hold over the ranges of the machine's figures");
-  app.add_flag("--list", arguments.list, "list machines, queues and primitives");
+  app.add_flag("--list", arguments.list, "list machines, queues, scenarios and primitives");
   tell_in_one_line(app, "irt simulate");
   if (const auto code = parse(app, argc, argv)) return *code;
   for (const std::string& plugin : arguments.plugins) sweep.queues.add(plugin);

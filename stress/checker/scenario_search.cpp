@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "stress/checker/deadline.hpp"
@@ -103,13 +104,16 @@ void add(Result& sum, Result part) {
 }  // namespace
 
 const stress::Scenario& scenario_at(const std::string& name, bool parks) {
-  const auto known = parks ? stress::waiting_scenarios() : stress::scenarios();
+  std::vector<std::span<const stress::Scenario>> kinds{stress::scenarios(),
+                                                       stress::contention_scenarios()};
+  if (parks) kinds = {stress::waiting_scenarios()};
   std::vector<std::string_view> names;
-  for (const stress::Scenario& scenario : known) {
-    if (scenario.generations != 1) continue;
-    if (scenario.name == name) return scenario;
-    names.push_back(scenario.name);
-  }
+  for (const std::span<const stress::Scenario> kind : kinds)
+    for (const stress::Scenario& scenario : kind) {
+      if (scenario.generations != 1) continue;
+      if (scenario.name == name) return scenario;
+      names.push_back(scenario.name);
+    }
   const stress::Scenario* const other = stress::find_scenario(name);
   throw UsageError(
       fmt::format("--scenario {}: {}; there are {}", name,

@@ -138,6 +138,13 @@ class Core {
     return accepted;
   }
 
+  /// The same with an element whose number leaves the rest `rest` when divided by `divisor`, unless
+  /// the queue does not take that one.
+  bool push_at(std::uint64_t divisor, std::uint64_t rest) {
+    while (state_.next_sequence % divisor != rest) ++state_.next_sequence;
+    return push();
+  }
+
   /// Pops and records.
   std::optional<Element> pop() {
     Element e = ~Element{0};

@@ -1,8 +1,13 @@
 #include "stress/scenarios/scenarios.hpp"
 
+#include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "stress/scenarios/bodies.hpp"
+#include "stress/scenarios/core_hand.hpp"
 
 namespace irt::stress {
 namespace {
@@ -61,8 +66,56 @@ std::span<const Scenario> waiting_scenarios() {
   return waiting;
 }
 
+namespace {
+
+/// The program of the contention scenario with this number in its table.
+template <std::size_t number>
+void contend(Core& core) {
+  constexpr const contention::Scenario& scenario = contention::scenario_table[number];
+  if constexpr (scenario.prefill > 0) {
+    const WorkerState& self = core.self();
+    const double share = scenario.prefill * static_cast<double>(self.capacity) / self.workers;
+    for (auto left = std::min(static_cast<std::uint64_t>(share) + 1, self.operations / 2); left > 0;
+         --left)
+      core.push();
+    core.meet();
+  }
+  contention::play(scenario.program, [&core](std::size_t) { return CoreHand(core); });
+}
+
+template <std::size_t... numbers>
+std::vector<Scenario> contention_table(std::index_sequence<numbers...>) {
+  constexpr unsigned threads = 4;
+  static const std::array<std::string, sizeof...(numbers)> names{
+      "contention/" + std::string(contention::scenario_table[numbers].name)...};
+  std::vector<Scenario> table;
+  const auto add = [&](std::size_t number, void (*program)(Core&)) {
+    const contention::Scenario& scenario = contention::scenario_table[number];
+    if (scenario.has_two_queues()) return;
+    const Roles roles = scenario.roles(threads);
+    table.push_back({.name = names[number],
+                     .summary = scenario.operation_mix,
+                     .pushers = roles.producers,
+                     .poppers = roles.consumers,
+                     .together = roles.together(),
+                     .capacity = 64,
+                     .run = program});
+  };
+  (add(numbers, contend<numbers>), ...);
+  return table;
+}
+
+}  // namespace
+
+std::span<const Scenario> contention_scenarios() {
+  static const std::vector<Scenario> table =
+      contention_table(std::make_index_sequence<contention::scenario_table.size()>{});
+  return table;
+}
+
 const Scenario* find_scenario(std::string_view name) {
-  for (const std::span<const Scenario> kind : {scenarios(), waiting_scenarios()}) {
+  for (const std::span<const Scenario> kind :
+       {scenarios(), waiting_scenarios(), contention_scenarios()}) {
     for (const Scenario& scenario : kind)
       if (scenario.name == name) return &scenario;
   }

@@ -36,7 +36,11 @@ std::span<const Scenario> scenarios();
 /// Those for queues whose `pop` waits until there is an element or the queue is closed.
 std::span<const Scenario> waiting_scenarios();
 
-/// The scenario `name` of either kind, or null.
+/// The contention scenarios (contention.hpp) of one queue, for queues whose `pop` answers *empty*:
+/// as "contention/pairs", for four workers. They are run where they are named.
+std::span<const Scenario> contention_scenarios();
+
+/// The scenario `name` of any kind, or null.
 const Scenario* find_scenario(std::string_view name);
 
 }  // namespace irt::stress

@@ -50,9 +50,12 @@ bool is_third_party(std::string_view queue) {
 constexpr std::array<std::string_view, 5> suite_names{"scenarios", "sustained", "progress",
                                                       "faults", "memory"};
 
+bool named(const std::vector<std::string>& choice, std::string_view name) {
+  return std::find(choice.begin(), choice.end(), name) != choice.end();
+}
+
 bool chosen(const std::vector<std::string>& choice, std::string_view name) {
-  return std::any_of(choice.begin(), choice.end(),
-                     [&](const std::string& c) { return c == "all" || c == name; });
+  return named(choice, "all") || named(choice, name);
 }
 
 class Session {
@@ -127,9 +130,11 @@ class Session {
     if (chosen(options_.suites, "scenarios")) {
       for (const Scenario& scenario : pop_waits ? waiting_scenarios() : scenarios()) {
         if (!chosen(options_.scenarios, scenario.name)) continue;
-        jobs.push_back({"scenarios", &scenario, 1,
-                        [&](const Assignment& a, Messenger& m) { run_scenario(a, scenario, m); }});
+        jobs.push_back(scenario_job(scenario));
       }
+      for (const Scenario& scenario : contention_scenarios())
+        if (!pop_waits && named(options_.scenarios, scenario.name))
+          jobs.push_back(scenario_job(scenario));
     }
     // The others need signals that stop a thread at once and an allocator of our own.
     if (sanitizer != Sanitizer::none || !chosen(options_.scenarios, "all")) return jobs;
@@ -143,6 +148,11 @@ class Session {
     if (chosen(options_.suites, "faults")) jobs.push_back({"faults", nullptr, 0.5, run_faults});
     if (chosen(options_.suites, "memory")) jobs.push_back({"memory", nullptr, 1.5, run_memory});
     return jobs;
+  }
+
+  static Job scenario_job(const Scenario& scenario) {
+    return {"scenarios", &scenario, 1,
+            [&scenario](const Assignment& a, Messenger& m) { run_scenario(a, scenario, m); }};
   }
 
   void run(const QueueEntry& queue, const Job& job, double seconds) {
@@ -218,7 +228,7 @@ void check_choice(const std::vector<std::string>& choice, std::string_view kind,
 
 void check_names(const Options& options) {
   std::vector<std::string_view> known{"all"};
-  for (const auto kind : {scenarios(), waiting_scenarios()})
+  for (const auto kind : {scenarios(), waiting_scenarios(), contention_scenarios()})
     for (const Scenario& scenario : kind) known.push_back(scenario.name);
   check_choice(options.scenarios, "scenario", known);
   known = {"all"};
@@ -237,8 +247,8 @@ void check_names(const Options& options) {
 
 void list() {
   fmt::print("scenarios\n");
-  for (const auto kind : {scenarios(), waiting_scenarios()})
-    for (const Scenario& s : kind) fmt::print("  {:<18} {}\n", s.name, s.summary);
+  for (const auto kind : {scenarios(), waiting_scenarios(), contention_scenarios()})
+    for (const Scenario& s : kind) fmt::print("  {:<30} {}\n", s.name, s.summary);
   fmt::print("suites\n  {}\n", fmt::join(suite_names, ", "));
 }
 

@@ -44,7 +44,7 @@ Json latency(std::span<const nlohmann::json> results, const char* operation) {
 }  // namespace
 
 std::string band_of(const Point& point) {
-  if (point.scenario == Scenario::primitive)
+  if (point.scenario == nullptr)
     return "a factor of 1.25 of published fetch-and-adds, of 2.1 of a counter under a mutex; "
            "compare-and-swap loops depend on residence and turns";
   return point.threads < 3
@@ -68,24 +68,21 @@ Json summarise(const Profile& profile, const Point& point,
     status = result["status"];
     message = result.value("message", "");
   }
-  const auto [producers, consumers] =
-      point.scenario == Scenario::sides
-          ? std::pair(point.producers, point.threads - point.producers)
-          : std::pair(point.threads, point.scenario == Scenario::primitive ? 0U : point.threads);
+  const Roles roles = roles_of(point);
   Json run = results::record({
       {"kind", "simulated"},
       {"source", "simulated"},
       {"machine", profile.name},
       {"queue", point.subject},
-      {"scenario", name_of(point.scenario)},
-      {"producers", producers},
-      {"consumers", consumers},
+      {"scenario", scenario_of(point)},
+      {"producers", roles.producers},
+      {"consumers", roles.consumers},
       {"threads", point.threads},
       {"work_ns", point.work_ns},
       {"capacity", point.capacity},
       {"placement", name_of(point.placement)},
       {"levels", levels_of(profile, point.placement)},
-      {"operation_mix", name_of(point.scenario)},
+      {"operation_mix", scenario_of(point)},
       {"repetitions", results.size()},
       {"seeds", results.size()},
       {"band", band_of(point)},

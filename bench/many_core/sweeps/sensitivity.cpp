@@ -74,21 +74,19 @@ int sensitivity(const SweepOptions& options, const std::atomic<bool>& interrupte
     for (Variant& each : variants_of(load_profile(machine))) {
       const Variant& variant = variants.emplace_back(std::move(each));
       for (const unsigned threads : options.cores) {
-        if (options.scenario == Scenario::sides && threads < 2) continue;
+        if (threads < options.scenario->least_threads) continue;
         for (const std::string& queue : queues)
           tasks.push_back({&variant.profile,
-                           {.subject = queue,
-                            .module = module_of_queue(options.queues, queue),
-                            .scenario = options.scenario,
-                            .threads = threads,
-                            .producers = threads / 2,
-                            .work_ns = options.work_ns,
-                            .capacity = options.capacity,
-                            .placement = options.placement,
-                            .warm_up_ns = options.measured_ns / 5,
-                            .measured_ns = options.measured_ns},
-                           options.seeds,
-                           options.first_seed});
+                           with_threads({.subject = queue,
+                                         .module = module_of_queue(options.queues, queue),
+                                         .scenario = options.scenario,
+                                         .work_ns = options.work_ns,
+                                         .capacity = options.capacity,
+                                         .placement = options.placement,
+                                         .warm_up_ns = options.measured_ns / 5,
+                                         .measured_ns = options.measured_ns},
+                                        threads),
+                           options.seeds, options.first_seed});
       }
     }
   }

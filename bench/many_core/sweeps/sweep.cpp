@@ -114,9 +114,23 @@ std::vector<unsigned> parse_cores(std::string_view text) {
   return counts;
 }
 
-Scenario parse_scenario(std::string_view name) {
-  return parse_name("scenario", name,
-                    std::array{Scenario::pairs, Scenario::sides, Scenario::bursts});
+const contention::Scenario* parse_scenario(std::string_view name) {
+  if (const contention::Scenario* found = contention::find_scenario(name)) return found;
+  std::vector<std::string_view> names;
+  for (const contention::Scenario& each : contention::scenario_table) names.push_back(each.name);
+  throw UsageError(unknown_name("scenario", name, names));
+}
+
+Point with_threads(Point point, unsigned threads) {
+  point.threads = threads;
+  if (point.scenario == nullptr) return point;
+  Roles roles = point.scenario->roles(threads);
+  // Of an odd number of threads the one more pops here, which no figure of a machine depends on.
+  if (point.scenario->roles == contention::halves)
+    roles = apart(threads / 2, threads - threads / 2);
+  point.threads = roles.workers;
+  point.producers = roles.producers;
+  return point;
 }
 
 Placement parse_placement(std::string_view name) {
@@ -131,7 +145,7 @@ namespace {
 std::string key_of(const Task& task, std::uint64_t seed) {
   const Point& p = task.point;
   return fmt::format("{} {} {} threads={} producers={} work={} capacity={} {} time={}+{} seed={}",
-                     to_text(*task.profile), p.subject, name_of(p.scenario), p.threads, p.producers,
+                     to_text(*task.profile), p.subject, scenario_of(p), p.threads, p.producers,
                      p.work_ns, p.capacity, name_of(p.placement), p.warm_up_ns, p.measured_ns,
                      seed);
 }
@@ -221,12 +235,12 @@ std::optional<Claims> claims_of(const std::filesystem::path& file) {
 
 // Why a queue cannot be run in a scenario, by its claims; empty if it can.
 std::string obstacle(const Point& point) {
-  if (point.scenario == Scenario::primitive || point.threads == 1) return {};
+  if (point.scenario == nullptr || point.threads == 1) return {};
   const std::optional<Claims> read = claims_of(point.module);
   if (!read) return {};  // to be told by each of its points
-  return irt::obstacle(*read, point.scenario == Scenario::sides
-                                  ? apart(point.producers, point.threads - point.producers)
-                                  : all_do_both(point.threads));
+  if (point.scenario->needs_elements() && !read->carries_elements)
+    return "it carries no elements, and a task says what comes of it";
+  return irt::obstacle(*read, roles_of(point));
 }
 
 std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile> profiles) {
@@ -241,22 +255,22 @@ std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile>
       Point point{
           .subject = name,
           .module = primitive ? module_of_primitive(name) : module_of_queue(options.queues, name),
-          .scenario = primitive ? Scenario::primitive : options.scenario,
+          .scenario = primitive ? nullptr : options.scenario,
           .work_ns = options.work_ns,
           .capacity = options.capacity,
           .placement = options.placement,
           .warm_up_ns = options.measured_ns / 5,
           .measured_ns = options.measured_ns};
       for (const unsigned threads : options.cores) {
-        point.threads = threads;
-        if (point.scenario == Scenario::sides && threads < 2) continue;
-        point.producers = threads / 2;
+        if (point.scenario != nullptr && threads < point.scenario->least_threads) continue;
+        point = with_threads(point, threads);
+        if (point.threads != threads) continue;
         const std::string why = obstacle(point);
         if (why.empty()) {
           tasks.push_back({&profile, point, options.seeds, options.first_seed});
         } else if (&profile == profiles.data()) {
           fmt::print(stderr, "{} with {} threads is left out of {}: {}\n", name, threads,
-                     name_of(point.scenario), why);
+                     scenario_of(point), why);
         }
       }
     }

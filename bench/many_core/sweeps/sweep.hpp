@@ -22,7 +22,7 @@ struct SweepOptions {
   virtual_cores::QueueModules queues;  ///< there are
   std::vector<std::string> machines{"granite-rapids-96"}, subjects, primitives;
   std::vector<unsigned> cores;
-  Scenario scenario = Scenario::pairs;
+  const contention::Scenario* scenario = contention::find_scenario("pairs");
   Placement placement = Placement::close;
   double work_ns = 85, measured_ns = 1e6;
   std::size_t capacity = 65536;
@@ -43,8 +43,12 @@ std::filesystem::path module_of_primitive(const std::string& name);
 
 /// "1..128" or "1,2,4". Throws UsageError, as the others do.
 std::vector<unsigned> parse_cores(std::string_view text);
-Scenario parse_scenario(std::string_view name);
+const contention::Scenario* parse_scenario(std::string_view name);
 Placement parse_placement(std::string_view name);
+
+/// `point` with `threads` in the roles of its scenario; a thread that would be left over is left
+/// out.
+Point with_threads(Point point, unsigned threads);
 
 /// A point on a machine, with its seeds.
 struct Task {

@@ -69,7 +69,7 @@ bool validate_here(const SweepOptions& options, const std::atomic<bool>& interru
       tasks.push_back({&profile,
                        {.subject = std::string(entry.name),
                         .module = *module,
-                        .scenario = Scenario::pairs,
+                        .scenario = parse_scenario("pairs"),
                         .threads = threads,
                         .work_ns = options.work_ns},
                        options.seeds,
@@ -145,19 +145,19 @@ int validate(const SweepOptions& options, const std::atomic<bool>& interrupted) 
   std::map<std::string, std::optional<std::filesystem::path>> modules;
   for (const Json& row : read_published()) {
     const std::string machine = row["machine"], subject = row["queue"];
-    const Scenario scenario = row["scenario"] == "primitive"
-                                  ? Scenario::primitive
-                                  : parse_scenario(row["scenario"].get<std::string>());
+    const bool primitive = row["scenario"] == "primitive";
+    const contention::Scenario* scenario =
+        primitive ? nullptr : parse_scenario(row["scenario"].get<std::string>());
     const auto [known, fresh] = modules.try_emplace(subject);
     if (fresh) {
-      known->second = module_of(options, subject, scenario == Scenario::primitive);
+      known->second = module_of(options, subject, primitive);
       if (!known->second)
         fmt::print("{}: published, but not built for virtual cores; left out\n", subject);
     }
     if (!known->second) continue;
     if (!machines.contains(machine)) machines.emplace(machine, load_profile(machine));
     const unsigned producers = row["producers"], consumers = row["consumers"];
-    const bool sides = scenario == Scenario::sides;
+    const bool sides = !primitive && scenario->program == contention::Program::sides;
     Task task{&machines.at(machine),
               {.subject = subject,
                .module = *known->second,

@@ -1,7 +1,6 @@
 #include "bench/many_core/workloads/point.hpp"
 
 #include <algorithm>
-#include <array>
 #include <ctime>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,10 +16,15 @@
 
 namespace irt::many_core {
 
-std::string_view name_of(Scenario scenario) {
-  static constexpr std::array<std::string_view, 4> names{"pairs", "producers-consumers", "bursts",
-                                                         "primitive"};
-  return names[static_cast<std::size_t>(scenario)];
+std::string_view scenario_of(const Point& point) {
+  return point.scenario == nullptr ? "primitive" : point.scenario->name;
+}
+
+Roles roles_of(const Point& point) {
+  if (point.scenario == nullptr) return {point.threads, point.threads, 0};
+  return point.scenario->roles(point.threads).together()
+             ? all_do_both(point.threads)
+             : apart(point.producers, point.threads - point.producers);
 }
 
 namespace {
@@ -31,6 +35,9 @@ constexpr std::size_t longest_burst = 16;
 // leave slower consumers behind, and most operations would be pushes.
 constexpr std::int64_t most_inside = 1024;
 constexpr double held_back_ns = 500;
+
+// How often a thread looks whether the others have come to a barrier.
+constexpr double look_ns = 50;
 
 // Operations of one kind.
 struct Tally {
@@ -50,7 +57,7 @@ struct Tally {
 
 struct alignas(line_bytes) Worker {
   SplitMix random{0};
-  std::uint64_t pushed_sum = 0, popped_sum = 0;
+  std::uint64_t pushed_sum = 0, popped_sum = 0, last_popped = 0;
   Tally pushes, pops;
 };
 
@@ -83,8 +90,11 @@ class Run {
   nlohmann::json result(const Ending& ending, bool explain);
 
  private:
+  using Queue = AnyWorkQueue<std::uint64_t>;
+  class Hand;
+
   void make() {
-    if (point_.scenario == Scenario::primitive) {
+    if (point_.scenario == nullptr) {
       for (const Contended& each :
            all_contended(module_.function<decltype(irt_contended)>("irt_contended")))
         if (each.name == point_.subject) primitive_ = &each;
@@ -92,39 +102,26 @@ class Run {
       return;
     }
     entry_ = &virtual_cores::queue_of(module_);
-    queue_ = entry_->make_word_queue(point_.threads, point_.capacity).release();
+    queues_.push_back(entry_->make_word_queue(point_.threads, point_.capacity).release());
+    if (point_.scenario->has_two_queues())
+      queues_.push_back(entry_->make_word_queue(point_.threads, point_.capacity).release());
     if (!entry_->claims.bounded) backlog_ = most_inside;
+    prefill();
   }
 
-  void act(unsigned thread) {
-    Worker& me = workers_[thread];
-    while (!machine_.over()) {
-      switch (point_.scenario) {
-        case Scenario::pairs:
-          if (push(thread, me)) pop(thread, me);
-          break;
-        case Scenario::sides:
-          if (!pushes(thread)) {
-            pop(thread, me);
-          } else if (inside_ < backlog_) {
-            push(thread, me);
-          } else {
-            machine_.idle(held_back_ns);
-          }
-          break;
-        case Scenario::bursts:
-          for (std::size_t i = 0; i < burst_ && push(thread, me);) ++i;
-          for (std::size_t i = 0; i < burst_ && pop(thread, me);) ++i;
-          break;
-        case Scenario::primitive:
-          attempt(thread, me, me.pushes, [&] {
-            primitive_->step(object_, thread);
-            return true;
-          });
-          break;
-      }
+  // Every worker gets its share, for queues of which each worker has one.
+  void prefill() {
+    const double wanted = static_cast<double>(point_.capacity) * point_.scenario->prefill;
+    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(wanted); ++i) {
+      // No worker's, and none of the small words that a queue may keep for itself.
+      const std::uint64_t element = std::uint64_t{1} << 39U | i;
+      if (!queues_[0]->push(static_cast<unsigned>(i % point_.threads), element)) return;
+      ++prefilled_;
+      prefilled_sum_ += element;
     }
   }
+
+  void act(unsigned thread);
 
   // Both roles are spread alike over the machine: by turns where neighbours have neighbouring
   // numbers, in halves where these alternate between sockets.
@@ -136,13 +133,14 @@ class Run {
     return before(thread + 1) > before(thread);
   }
 
-  // Repeats `operation` until it succeeds or time is up; then works.
+  // Makes `operation`; with `again` until it succeeds or time is up.
   template <class Operation>
-  bool attempt(unsigned thread, Worker& me, Tally& tally, Operation operation) {
+  bool attempt(unsigned thread, Tally& tally, bool again, Operation operation) {
     const Time begin = machine_.clock();
     const std::uint64_t failures = machine_.failures(thread);
     bool done = operation();
-    while (!done && !machine_.over()) {
+    if (!done && !again) machine_.count_failure();
+    while (!done && again && !machine_.over()) {
       machine_.count_failure();
       done = operation();
     }
@@ -156,24 +154,11 @@ class Run {
         tally.longest = std::max(tally.longest, end - begin);
       }
     }
-    if (done && point_.work_ns > 0) machine_.work(point_.work_ns * vary(me));
     return done;
   }
 
-  bool push(unsigned thread, Worker& me) {
-    const std::uint64_t element = std::uint64_t{thread + 1} << 40U | (me.pushes.all + 1);
-    const bool done = attempt(thread, me, me.pushes, [&] { return queue_->push(thread, element); });
-    if (done) me.pushed_sum += element;
-    inside_ += done ? 1 : 0;
-    return done;
-  }
-
-  bool pop(unsigned thread, Worker& me) {
-    std::uint64_t element = 0;
-    const bool done = attempt(thread, me, me.pops, [&] { return queue_->pop(thread, element); });
-    if (done) me.popped_sum += element;
-    inside_ -= done ? 1 : 0;
-    return done;
+  void work(Worker& me) {
+    if (point_.work_ns > 0) machine_.work(point_.work_ns * vary(me));
   }
 
   // A factor within a tenth of one, so that threads do not march in step.
@@ -183,17 +168,17 @@ class Run {
 
   // What went in and did not come out is still there.
   void check_conservation(Ending& ending) {
-    if (queue_ == nullptr || !entry_->claims.carries_elements) return;
-    std::uint64_t count = 0, sum = 0;
+    if (queues_.empty() || !entry_->claims.carries_elements) return;
+    std::uint64_t count = prefilled_, sum = prefilled_sum_;
     for (const Worker& worker : workers_) {
       count += worker.pushes.all - worker.pops.all;
       sum += worker.pushed_sum - worker.popped_sum;
     }
     try {
       machine_.set_up([&] {
-        for (unsigned worker = 0; worker < point_.threads; ++worker) {
-          for (std::uint64_t element = 0; queue_->pop(worker, element); --count) sum -= element;
-        }
+        for (Queue* queue : queues_)
+          for (unsigned worker = 0; worker < point_.threads; ++worker)
+            for (std::uint64_t element = 0; queue->pop(worker, element); --count) sum -= element;
       });
     } catch (const std::exception&) {
       return;  // its pop waits for ever where there is nothing
@@ -208,12 +193,110 @@ class Run {
   std::vector<Worker> workers_;
   std::size_t burst_;
   const QueueEntry* entry_ = nullptr;
-  AnyWorkQueue<std::uint64_t>* queue_ = nullptr;  // not destroyed: the process ends
-  std::int64_t inside_ = 0;                       // elements
+  std::vector<Queue*> queues_;  // not destroyed: the process ends
+  std::uint64_t prefilled_ = 0, prefilled_sum_ = 0;
+  std::int64_t inside_ = 0;  // elements that were pushed and not popped
   std::int64_t backlog_ = std::numeric_limits<std::int64_t>::max();
   const Contended* primitive_ = nullptr;
   void* object_ = nullptr;
+  // A barrier of all threads; it takes no accesses, for it is none of the queue's.
+  unsigned arrived_ = 0, barriers_ = 0;
+  bool ended_ = false;
 };
+
+// Operations succeed, are counted and take their time as `attempt` says.
+class Run::Hand {
+ public:
+  Hand(Run& run, unsigned thread, Queue& queue)
+      : run_(run), thread_(thread), me_(run.workers_[thread]), queue_(queue) {}
+
+  bool running() const { return !run_.machine_.over(); }
+  bool push() { return pushed(fresh(), Tries::one); }
+  bool pop() { return popped(Tries::one); }
+  bool push_tagged(unsigned tag) { return pushed(fresh() * contention::tags + tag, Tries::one); }
+  bool pop_tagged(unsigned& tag) {
+    if (!popped(Tries::one)) return false;
+    tag = static_cast<unsigned>(me_.last_popped % contention::tags);
+    return true;
+  }
+  bool push_until_accepted() { return pushed(fresh(), Tries::all); }
+  bool pop_until_found() { return popped(Tries::all); }
+  bool put() { return pushed(fresh(), Tries::all_and_work); }
+  bool put_back() { return running() && pushed(me_.last_popped, Tries::all_and_work); }
+  bool take() { return popped(Tries::all_and_work); }
+  void work() { run_.work(me_); }
+  std::uint64_t random(std::uint64_t bound) { return me_.random.below(bound); }
+  bool produces() const { return run_.pushes(thread_); }
+  bool consumers_caught_up() {
+    for (;;) {
+      if (run_.machine_.over()) return false;
+      if (run_.inside_ < run_.backlog_) return true;
+      run_.machine_.idle(held_back_ns);
+    }
+  }
+  void rest() {
+    const double pause = run_.point_.scenario->producer_pause_ns;
+    if (pause > 0) run_.machine_.work(pause * vary(me_));
+  }
+  bool meet() {
+    const unsigned mine = run_.barriers_;
+    if (++run_.arrived_ == run_.point_.threads) {
+      run_.arrived_ = 0;
+      run_.ended_ = run_.machine_.over();
+      ++run_.barriers_;
+    }
+    while (run_.barriers_ == mine) run_.machine_.idle(look_ns);
+    return !run_.ended_;
+  }
+  contention::Burst burst() const {
+    return {.size = static_cast<unsigned>(run_.burst_), .works_after_each = true};
+  }
+
+ private:
+  enum class Tries : std::uint8_t { one, all, all_and_work };
+
+  std::uint64_t fresh() const { return std::uint64_t{thread_ + 1} << 40U | (me_.pushes.all + 1); }
+  bool pushed(std::uint64_t element, Tries tries) {
+    const bool done = made(me_.pushes, tries, [&] { return queue_.push(thread_, element); });
+    if (done) me_.pushed_sum += element;
+    run_.inside_ += done ? 1 : 0;
+    return done;
+  }
+  bool popped(Tries tries) {
+    std::uint64_t element = 0;
+    const bool done = made(me_.pops, tries, [&] { return queue_.pop(thread_, element); });
+    if (done) me_.popped_sum += me_.last_popped = element;
+    run_.inside_ -= done ? 1 : 0;
+    return done;
+  }
+  template <class Operation>
+  bool made(Tally& tally, Tries tries, Operation operation) {
+    const bool done = run_.attempt(thread_, tally, tries != Tries::one, operation);
+    if (done && tries == Tries::all_and_work) work();
+    return done;
+  }
+
+  Run& run_;
+  unsigned thread_;
+  Worker& me_;
+  Queue& queue_;
+};
+
+void Run::act(unsigned thread) {
+  if (primitive_ != nullptr) {
+    Worker& me = workers_[thread];
+    while (!machine_.over()) {
+      const bool done = attempt(thread, me.pushes, true, [&] {
+        primitive_->step(object_, thread);
+        return true;
+      });
+      if (done) work(me);
+    }
+    return;
+  }
+  contention::play(point_.scenario->program,
+                   [&](std::size_t queue) { return Hand(*this, thread, *queues_[queue]); });
+}
 
 nlohmann::json latency_of(const Tally& tally) {
   if (tally.counted == 0) return nullptr;

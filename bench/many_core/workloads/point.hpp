@@ -10,30 +10,30 @@
 
 #include "bench/many_core/machine/machine.hpp"
 #include "bench/many_core/machine/placement.hpp"
+#include "stress/scenarios/contention.hpp"
 
 namespace irt::many_core {
-
-/// Who does what. Between two operations of a thread lie `work_ns` of work.
-enum class Scenario : std::uint8_t {
-  pairs,      ///< each thread pushes, works, pops until it gets something, works
-  sides,      ///< `producers` threads, spread alike over the machine, push, the others pop
-  bursts,     ///< each thread pushes sixteen, then pops sixteen
-  primitive,  ///< each thread repeats one step of a primitive, and works
-};
-std::string_view name_of(Scenario scenario);
 
 /// What is run. Times are simulated nanoseconds.
 struct Point {
   std::string subject;           ///< a queue, or a primitive
   std::filesystem::path module;  ///< where its code is
-  Scenario scenario = Scenario::pairs;
+  /// Null: each thread repeats one step of a primitive, and works.
+  const contention::Scenario* scenario = nullptr;
   unsigned threads = 1;
-  unsigned producers = 0;  ///< of `sides`; the other threads pop
-  double work_ns = 0;
+  unsigned producers =
+      0;               ///< where nobody does both; spread alike over the machine, the others pop
+  double work_ns = 0;  ///< after each operation
   std::size_t capacity = 65536;
   Placement placement = Placement::close;
   double warm_up_ns = 200e3, measured_ns = 1e6;
 };
+
+/// The scenario's name, or "primitive".
+std::string_view scenario_of(const Point& point);
+
+/// Who pushes and who pops, as far as it matters how many; nobody pops of a primitive.
+Roles roles_of(const Point& point);
 
 /// Runs `point` and returns what came out, as one object:
 ///

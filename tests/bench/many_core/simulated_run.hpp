@@ -31,19 +31,18 @@ inline Profile simple_machine() {
 inline Point primitive(const std::string& name, unsigned threads, double work_ns) {
   return {.subject = name,
           .module = IRT_CONTENDED,
-          .scenario = Scenario::primitive,
           .threads = threads,
           .work_ns = work_ns,
           .warm_up_ns = 100e3,
           .measured_ns = 500e3};
 }
 
-inline Point queue(const std::string& name, Scenario scenario, unsigned threads) {
+inline Point queue(const std::string& name, std::string_view scenario, unsigned threads) {
   return {.subject = name,
           .module = std::string(IRT_QUEUE_MODULES) + "/" + name + ".so",
-          .scenario = scenario,
+          .scenario = contention::find_scenario(scenario),
           .threads = threads,
-          .producers = threads / 2,
+          .producers = contention::find_scenario(scenario)->roles(threads).producers,
           .work_ns = 85,
           .capacity = 64,
           .warm_up_ns = 50e3,

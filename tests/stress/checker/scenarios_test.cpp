@@ -2,6 +2,7 @@
 // tests/stress/mutants runs the same mutants under the same scenarios on real threads.
 #include <gtest/gtest.h>
 #include <string>
+#include <vector>
 
 #include "stress/checker/mutants_check.hpp"
 #include "stress/checker/scenario_search.hpp"
@@ -52,6 +53,13 @@ TEST_F(ScenariosOfMutants, BugsAreFoundThatOnlyAMemoryModelShows) {
     const stress::Mutant broken = mutant(id);
     EXPECT_TRUE(sample(broken.queue, scenario_of(broken), quick(20)).result.finding) << id;
   }
+}
+
+TEST_F(ScenariosOfMutants, AContentionScenarioFindsABugAndPassesItsTwin) {
+  const stress::Mutant broken = mutant("m02");
+  const stress::Scenario& pairs = scenario_at("contention/pairs", false);
+  EXPECT_TRUE(sample(broken.queue, pairs, quick(20)).result.finding);
+  EXPECT_FALSE(sample(broken.twin, pairs, quick(0.3)).result.finding);
 }
 
 TEST_F(ScenariosOfMutants, TwinsPass) {
@@ -107,7 +115,10 @@ class ScenariosOfQueues : public testing::TestWithParam<const char*> {};
 TEST_P(ScenariosOfQueues, FindNothing) {
   virtual_cores::Module module(std::string(IRT_QUEUE_MODULES) + "/" + GetParam() + ".so");
   const QueueEntry& entry = virtual_cores::queue_of(module);
-  for (const stress::Scenario& scenario : stress::scenarios()) {
+  std::vector<stress::Scenario> all(stress::scenarios().begin(), stress::scenarios().end());
+  all.insert(all.end(), stress::contention_scenarios().begin(),
+             stress::contention_scenarios().end());
+  for (const stress::Scenario& scenario : all) {
     if (scenario.generations != 1) continue;
     const ShapeResult result = sample_scenario(entry, module, scenario, quick(0.1), "");
     EXPECT_FALSE(result.result.finding) << scenario.name << ": " << result.result.finding->text;

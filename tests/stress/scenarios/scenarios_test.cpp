@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "stress/history/judge.hpp"
 
@@ -50,8 +51,20 @@ class LoneCore final : public Core {
   Stamp now_ = 0;
 };
 
+/// All for queues whose pop answers "empty".
+std::vector<Scenario> all_scenarios() {
+  std::vector<Scenario> all(scenarios().begin(), scenarios().end());
+  all.insert(all.end(), contention_scenarios().begin(), contention_scenarios().end());
+  return all;
+}
+
 TEST(Scenarios, HaveNamesOfTheirOwn) {
   std::set<std::string_view> names;
+  for (const Scenario& s : contention_scenarios()) {
+    EXPECT_TRUE(s.name.starts_with("contention/")) << s.name;
+    EXPECT_TRUE(names.insert(s.name).second) << s.name;
+    EXPECT_EQ(find_scenario(s.name), &s);
+  }
   for (const Scenario& s : scenarios()) {
     EXPECT_TRUE(names.insert(s.name).second) << s.name;
     EXPECT_EQ(find_scenario(s.name), &s);
@@ -60,7 +73,7 @@ TEST(Scenarios, HaveNamesOfTheirOwn) {
 }
 
 TEST(Scenarios, KeepARightQueueRight) {
-  for (const Scenario& scenario : scenarios()) {
+  for (const Scenario& scenario : all_scenarios()) {
     Plain queue(scenario.capacity);
     WorkerState state{
         .capacity = scenario.capacity, .random = SplitMix(42), .operations = 500, .log = {}};
@@ -86,7 +99,7 @@ TEST(Roles, RespectsTheClaims) {
   for (const Callers producers : {Callers::one, Callers::many, Callers::own_worker}) {
     for (const Callers consumers : {Callers::one, Callers::many, Callers::own_worker}) {
       const Claims claims{.producers = producers, .consumers = consumers};
-      for (const Scenario& scenario : scenarios()) {
+      for (const Scenario& scenario : all_scenarios()) {
         const Roles roles = roles_for(scenario, claims);
         unsigned pushers = 0;
         unsigned poppers = 0;
@@ -112,7 +125,7 @@ TEST(Roles, HasNoMoreWorkersThanTheQueueIsFor) {
   for (const Callers callers : {Callers::one, Callers::many, Callers::own_worker}) {
     for (unsigned most = 1; most <= 5; ++most) {
       const Claims claims{.producers = callers, .consumers = callers, .max_workers = most};
-      for (const Scenario& scenario : scenarios()) {
+      for (const Scenario& scenario : all_scenarios()) {
         const Roles roles = roles_for(scenario, claims);
         EXPECT_LE(roles.workers, most) << scenario.name;
         EXPECT_GE(roles.producers, 1U) << scenario.name;

@@ -13,7 +13,7 @@ namespace irt::many_core {
 namespace {
 
 TEST(Runs, HaveTheFieldsOfTheirTool) {
-  const Point point = queue("lock", Scenario::pairs, 2);
+  const Point point = queue("lock", "pairs", 2);
   const std::vector<nlohmann::json> seeds{run(simple_machine(), point)};
   nlohmann::ordered_json summed_up = summarise(simple_machine(), point, seeds);
   summed_up["conditions"] = nullptr;  // the sweep adds them

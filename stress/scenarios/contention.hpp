@@ -1,0 +1,243 @@
+/// Contention scenarios: what threads do with a queue as fast as they can, or with work between
+/// their operations. All of them are in this file, and every instrument runs them from here, each
+/// with *hands* of its own, which say what an operation, work and the end mean:
+///
+///     irt bench contention   bench/contention/hand.hpp              the clock of this machine
+///     irt simulate           bench/many_core/workloads/point.cpp    simulated time
+///     irt stress, irt check  stress/scenarios/core_hand.hpp         histories, judged
+///
+/// A hand belongs to one thread and one queue:
+///
+///     running()                 whether to go on; what every loop asks that has no other end
+///     push(), pop()             one try with an element of its own; false for full, for empty
+///     push_until_accepted(), pop_until_found()   tries until then; false where the end comes first
+///     put(), take()             the same, and the work that follows an operation; at the end put
+///                               may answer true as well
+///     put_back()                put, of what was taken last (of another, where each goes once);
+///                               nothing at the end
+///     push_tagged(tag), pop_tagged(tag)          one try with an element that carries a tag
+///     work()                    the work between operations
+///     random(bound)             below `bound`
+///     produces()                whether this thread is among the producers
+///     consumers_caught_up()     waits where the queue would grow without end; false at the end
+///     rest()                    a producer's pause, on top of its work
+///     meet()                    waits for all threads; false, to all alike, at the end
+///     burst()                   how this instrument makes bursts
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "queues/roles.hpp"
+
+namespace irt::contention {
+
+/// Tags of elements are below this.
+inline constexpr unsigned tags = 4;
+
+/// So many pushes, then so many pops. Either the work follows each of them, or a burst.
+struct Burst {
+  unsigned size = 64;
+  bool works_after_each = false;
+};
+
+// --- Programs: what each thread does until the end
+// ------------------------------------------------
+
+/// Push, work, pop until an element is found, work.
+template <class Hand>
+[[gnu::always_inline]] inline void pairs(Hand&& hand) {
+  while (hand.running()) {
+    if (hand.put()) hand.take();
+  }
+}
+
+/// Pop, work, push what was popped, work: the queue stays as full as it was.
+template <class Hand>
+[[gnu::always_inline]] inline void exchange(Hand&& hand) {
+  while (hand.running()) {
+    hand.take();
+    hand.put_back();
+  }
+}
+
+/// Many pushes, work, as many pops, work. A bounded queue may cut a burst short.
+template <class Hand>
+[[gnu::always_inline]] inline void bursts(Hand&& hand) {
+  const Burst burst = hand.burst();
+  while (hand.running()) {
+    unsigned inside = 0;
+    while (inside < burst.size && (burst.works_after_each ? hand.put() : hand.push())) ++inside;
+    if (!burst.works_after_each) hand.work();
+    while (inside > 0 && (burst.works_after_each ? hand.take() : hand.pop_until_found())) --inside;
+    if (!burst.works_after_each) hand.work();
+  }
+}
+
+/// Producers push, with work after each; the others pop, with work after each found.
+template <class Hand>
+[[gnu::always_inline]] inline void sides(Hand&& hand) {
+  if (hand.produces()) {
+    while (hand.consumers_caught_up()) {
+      hand.put();
+      hand.rest();
+    }
+    return;
+  }
+  while (hand.running()) hand.take();
+}
+
+/// Each producer sends an element to any of the others and waits for one to come back. `ping` is
+/// the hand on the queue there, `pong` on that back.
+template <class Hand>
+[[gnu::always_inline]] inline void ping_pong(Hand&& ping, Hand&& pong) {
+  const bool sends = ping.produces();
+  Hand& there = sends ? ping : pong;
+  Hand& back = sends ? pong : ping;
+  while (there.running() && (sends || back.pop_until_found())) {
+    if (!sends) back.work();
+    if (!there.push_until_accepted()) return;
+    if (sends) {
+      if (!back.pop_until_found()) return;
+      there.work();
+    }
+  }
+}
+
+/// The renderer's shape. A frame starts with a share of tasks from each thread; a task leads to up
+/// to six more, of which each leads to up to two; a thread that finds the queue empty waits for the
+/// others at the end of the frame, and so does the time they take. What a full queue does not take
+/// is worked off at once.
+template <class Hand>
+[[gnu::always_inline]] inline void frames(Hand&& hand) {
+  constexpr unsigned roots = 64;
+  while (hand.meet()) {
+    for (unsigned i = 0; i < roots && hand.running(); ++i) {
+      if (!hand.push_tagged(0)) hand.work();
+    }
+    unsigned depth = 0;
+    while (hand.running() && hand.pop_tagged(depth)) {
+      hand.work();
+      std::uint64_t children = depth == 0 ? hand.random(7) : depth == 1 ? hand.random(3) : 0;
+      for (; children > 0; --children) {
+        if (!hand.push_tagged(depth + 1)) hand.work();
+      }
+    }
+  }
+}
+
+enum class Program : std::uint8_t { pairs, exchange, bursts, sides, ping_pong, frames };
+
+/// Runs `program` with hands on queues: `hand_on(0)`, and of those with two queues `hand_on(1)`.
+/// Each program has a hand to itself: one that several share would have to live in memory.
+template <class HandOn>
+[[gnu::always_inline]] inline void play(Program program, const HandOn& hand_on) {
+  switch (program) {
+    case Program::pairs:
+      return pairs(hand_on(0));
+    case Program::exchange:
+      return exchange(hand_on(0));
+    case Program::bursts:
+      return bursts(hand_on(0));
+    case Program::sides:
+      return sides(hand_on(0));
+    case Program::frames:
+      return frames(hand_on(0));
+    case Program::ping_pong:
+      // Each thread pushes into one queue only and pops from the other only, so that what two hands
+      // count of one thread does not overlap.
+      return ping_pong(hand_on(0), hand_on(1));
+  }
+}
+
+// --- Scenarios: who plays which program
+// -----------------------------------------------------------
+
+struct Scenario {
+  std::string_view name;
+  std::string_view operation_mix;  ///< in words, for the results
+  Program program = Program::pairs;
+  Roles (*roles)(unsigned threads) = nullptr;
+  unsigned least_threads = 1;
+  double producer_pause_ns = 0;  ///< on top of the work between operations
+  double prefill = 0;            ///< share of the capacity that is inside all the time
+
+  [[nodiscard]] constexpr bool has_two_queues() const { return program == Program::ping_pong; }
+  [[nodiscard]] constexpr bool needs_elements() const { return program == Program::frames; }
+};
+
+constexpr Roles halves(unsigned threads) {
+  return apart(threads - threads / 2, threads / 2);
+}
+constexpr Roles to_one(unsigned threads) {
+  return apart(threads - 1, 1);
+}
+constexpr Roles from_one(unsigned threads) {
+  return apart(1, threads - 1);
+}
+constexpr Roles few_producers(unsigned threads) {
+  const unsigned producers = std::max(threads / 4, 1U);
+  return apart(producers, threads - producers);
+}
+// A thread that is left over would have nobody to play with.
+constexpr Roles couples(unsigned threads) {
+  return apart(threads / 2, threads / 2);
+}
+
+/// Those with a name; beside them, instruments may take others' numbers of producers and consumers.
+inline constexpr std::array scenario_table{
+    Scenario{.name = "pairs",
+             .operation_mix = "each thread pushes one, then pops one",
+             .program = Program::pairs,
+             .roles = all_do_both},
+    Scenario{.name = "producers-consumers",
+             .operation_mix = "producers push, consumers pop",
+             .program = Program::sides,
+             .roles = halves,
+             .least_threads = 2},
+    Scenario{.name = "fan-in",
+             .operation_mix = "all push, one pops",
+             .program = Program::sides,
+             .roles = to_one,
+             .least_threads = 2},
+    Scenario{.name = "fan-out",
+             .operation_mix = "one pushes, all others pop",
+             .program = Program::sides,
+             .roles = from_one,
+             .least_threads = 2},
+    Scenario{.name = "near-empty",
+             .operation_mix = "a quarter push, with 1 us more between pushes; the others pop",
+             .program = Program::sides,
+             .roles = few_producers,
+             .least_threads = 2,
+             .producer_pause_ns = 1000},
+    Scenario{.name = "prefilled",
+             .operation_mix = "each thread pops one, then pushes one; the queue is half full",
+             .program = Program::exchange,
+             .roles = all_do_both,
+             .prefill = 0.5},
+    Scenario{.name = "bursts",
+             .operation_mix = "each thread pushes 64, then pops 64",
+             .program = Program::bursts,
+             .roles = all_do_both},
+    Scenario{.name = "ping-pong",
+             .operation_mix = "couples pass one element to and fro over two queues",
+             .program = Program::ping_pong,
+             .roles = couples,
+             .least_threads = 2},
+    Scenario{.name = "renderer",
+             .operation_mix = "frames of 64 tasks per thread; a task leads to 6 more on average",
+             .program = Program::frames,
+             .roles = all_do_both},
+};
+
+/// The scenario `name`, or null.
+constexpr const Scenario* find_scenario(std::string_view name) {
+  for (const Scenario& each : scenario_table)
+    if (each.name == name) return &each;
+  return nullptr;
+}
+
+}  // namespace irt::contention
