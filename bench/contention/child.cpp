@@ -73,7 +73,10 @@ int run_as_child() {
   std::getline(std::cin, line);
   const auto job = nlohmann::json::parse(line).get<Job>();
   QueueRegistry queues;
-  for (const std::string& plugin : job.plugins) queues.open(plugin);
+  for (const std::string& plugin : job.plugins) {
+    queues.open(plugin);
+    open_counting_build(plugin);
+  }
   const SubjectMaker make = job.pass == Pass::counted ? counting_subject_maker(job.queue)
                                                       : subject_maker(queues, job.queue);
   const auto await_order = [&] {

@@ -7,10 +7,14 @@
 
 namespace irt::contention {
 
+void open_counting_build(const std::string& plugin) {
+  add_counted_plugin(plugin);
+}
+
 std::string not_countable(std::string_view name) {
   const std::vector<std::string> names = counted_queues();
   if (std::ranges::find(names, name) != names.end()) return {};
-  return type_erased(name) ? "a plug-in is compiled already"
+  return type_erased(name) ? "the plug-in has no counting build beside it"
                            : "its atomic operations are compiled code or inline assembly";
 }
 

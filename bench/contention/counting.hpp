@@ -12,6 +12,9 @@
 
 namespace irt::contention {
 
+/// Looks for the counting build of a plug-in, the file NAME.so, beside it.
+void open_counting_build(const std::string& plugin);
+
 /// Why there is no counting build of the queue `name`; empty where there is.
 std::string not_countable(std::string_view name);
 

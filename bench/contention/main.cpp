@@ -8,6 +8,7 @@
 
 #include "bench/contention/child.hpp"
 #include "bench/contention/compare.hpp"
+#include "bench/contention/counting.hpp"
 #include "bench/contention/sweep.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
@@ -122,6 +123,7 @@ void Tool::add_sweep(CLI::App& app) {
           [this](const std::vector<std::string>& files) {
             for (const std::string& file : files) {
               queues.open(file);
+              open_counting_build(file);
               sweeping.plan.plugins.push_back(std::filesystem::absolute(file).string());
             }
           },

@@ -7,6 +7,7 @@
 /// less often; so a counted run is reported beside a plain one and never in its place.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,10 @@
 #include "queues/work_queue.hpp"
 
 namespace irt {
+
+/// Adds the queue NAME of the plug-in `file`, NAME.so, if irt_add_plugin() built it to count, too:
+/// then NAME.counted.so lies beside it.
+void add_counted_plugin(const std::filesystem::path& file);
 
 /// The names of the queues that were built to count.
 std::vector<std::string> counted_queues();

@@ -23,6 +23,7 @@ using nlohmann::json;
 
 struct Options {
   std::vector<std::string> queues;
+  std::vector<std::string> plugins;
   std::vector<unsigned> threads;
   PairsOptions pairs;
   std::string json_file;
@@ -76,7 +77,11 @@ void print(std::FILE* out, const json& run) {
 }
 
 int measure(Options options) {
-  const QueueRegistry registry;
+  QueueRegistry registry;
+  for (const std::string& plugin : options.plugins) {
+    registry.open(plugin);
+    add_counted_plugin(plugin);
+  }
   if (options.queues.empty()) options.queues = counted_queues();
   check_names(registry, options.queues);
   if (options.threads.empty()) {
@@ -119,6 +124,8 @@ int run(int argc, char** argv) {
   Options options;
   app.add_option("--queue,--queues", options.queues, "queues by name (default: all that count)")
       ->delimiter(',');
+  app.add_option("--plugin", options.plugins,
+                 "shared objects that irt_add_plugin() built, with further queues");
   app.add_option("--threads", options.threads, "numbers of threads, as 1,2,4")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));

@@ -150,7 +150,8 @@ P
 }
 
 # What takes --plugin.
-tools_with_plugins=(compare render list collide overhead stress check simulate 'bench contention')
+tools_with_plugins=(compare render list collide overhead stress check simulate 'bench contention'
+  'bench counted' 'bench instructions')
 
 # has_outside_queue ARGUMENTS... : whether one of them, or of a list, is the header of a queue.
 has_outside_queue() {

@@ -33,16 +33,23 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> queues;
+  std::vector<std::string> plugins;
   unsigned burst = 1;
   unsigned operations = 20'000;
   std::string json_file;
   std::string measured;  ///< the queue that this process is to run under callgrind
 };
 
+QueueRegistry registry_with(const std::vector<std::string>& plugins) {
+  QueueRegistry registry;
+  for (const std::string& plugin : plugins) registry.open(plugin);
+  return registry;
+}
+
 /// What runs under callgrind.
 int be_measured(const Options& options) {
   const SecondThread second_thread;
-  const QueueRegistry registry;
+  const QueueRegistry registry = registry_with(options.plugins);
   const auto queue =
       registry.at_or_counter(options.measured).make_word_queue(1, std::max(options.burst, 64U));
   const unsigned bursts = std::max(options.operations / 2 / options.burst, 1U);
@@ -102,6 +109,7 @@ std::vector<Function> profile(const std::string& queue, const Options& options) 
                                  std::to_string(options.burst),
                                  "--operations",
                                  std::to_string(options.operations)};
+  for (const std::string& plugin : options.plugins) words.insert(words.end(), {"--plugin", plugin});
   if (Child([&](int) { become(words); }).wait() != 0)
     throw std::runtime_error("queue '" + queue +
                              "': valgrind did not finish; its message is above");
@@ -190,6 +198,8 @@ int run(int argc, char** argv) {
   Options options;
   app.add_option("--queue,--queues", options.queues, "queues by name (default: all)")
       ->delimiter(',');
+  app.add_option("--plugin", options.plugins,
+                 "shared objects that irt_add_plugin() built, with further queues");
   app.add_option("--burst", options.burst, "pushes in a row, then as many pops")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
@@ -201,7 +211,7 @@ int run(int argc, char** argv) {
   app.add_option("--measured", options.measured)->group("");
   if (const auto code = parse(app, argc, argv)) return *code;
   if (!options.measured.empty()) return be_measured(options);
-  const QueueRegistry registry;
+  const QueueRegistry registry = registry_with(options.plugins);
   for (const std::string& name : options.queues) registry.at_or_counter(name);
   if (!has_valgrind())
     throw std::runtime_error("valgrind is missing; the package valgrind brings it");

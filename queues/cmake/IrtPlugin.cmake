@@ -2,8 +2,9 @@
 #
 # builds the queue <class> of <header> (relative to the calling CMakeLists.txt) into a shared object
 # <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. Beside it
-# lies <name>.virtual.so, the same queue on virtual cores, for the checker and the simulator; it is
-# left out where the irt that was found has none. It is the counterpart of irt_add_queue() for a
+# lie <name>.virtual.so, the same queue on virtual cores, for the checker and the simulator, and
+# <name>.counted.so, which counts its atomic operations; they are left out where the irt that was
+# found has none. It is the counterpart of irt_add_queue() for a
 # queue that lives outside the tree; <header> needs no change to move from one to the other.
 #
 # SOURCES are further files of the queue, in C++ or C. Both objects are compiled as the queues of the tree are, with -O2 and assertions, whatever the build type:
@@ -37,5 +38,15 @@ function(irt_add_plugin name header class)
       LINK irt::queues ${ARG_LINK}
       OPTIONS -O2 -UNDEBUG OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.virtual.so)
     add_dependencies(${target} irt_virtual_plugin_${name})
+    if(TARGET irt_counting)
+      set(counted irt_counted_plugin_${name})
+      add_library(${counted} MODULE $<TARGET_OBJECTS:irt_virtual_plugin_${name}_objects>)
+      get_target_property(exports irt_counting IRT_EXPORTS)
+      set_target_properties(${counted} PROPERTIES PREFIX "" OUTPUT_NAME ${name}.counted
+        LINKER_LANGUAGE CXX)
+      target_link_options(${counted} PRIVATE -Wl,--version-script=${exports})
+      target_link_libraries(${counted} PRIVATE irt_counting ${ARG_LINK})
+      add_dependencies(${target} ${counted})
+    endif()
   endif()
 endfunction()

@@ -18,6 +18,11 @@ if(irt_runtime AND IRT_OBJCOPY AND NOT TARGET irt_virtual_cores)
   add_library(irt_virtual_library STATIC IMPORTED GLOBAL)
   set_target_properties(irt_virtual_library PROPERTIES
     IMPORTED_LOCATION ${irt_folder}/libirt_virtual_library.a)
+  if(EXISTS ${irt_folder}/libirt_counting.so)
+    add_library(irt_counting SHARED IMPORTED GLOBAL)
+    set_target_properties(irt_counting PROPERTIES
+      IMPORTED_LOCATION ${irt_folder}/libirt_counting.so IRT_EXPORTS ${irt_folder}/exports.map)
+  endif()
   # GCC loads only plug-ins that were built for it.
   if(EXISTS ${irt_folder}/irt_announcer.so AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_library(irt_announcer MODULE IMPORTED GLOBAL)
