@@ -1,10 +1,15 @@
 /// The renderer on a machine that is not there: a recorded frame, the real queue code and the real
 /// frame buffer code on virtual cores, under the coherence cost model.
 ///
-/// The loop of the render threads is that of the engine; see replay_module.cpp. Work that touches
-/// nothing shared (tracing, shading) takes the recorded time, multiplied by `scale`.
+/// The loop of the render threads is that of the engine (renderer/engine/render_loop.hpp). Work
+/// that touches nothing shared (tracing, shading) takes the recorded time, multiplied by `scale`.
 ///
 /// Contributions to the frame buffer overlap as measured (replay.cpp), but for those behind a lock.
+///
+/// What the replayed code asks of the simulator it asks through a table of virtual functions, whose
+/// lines cost as any others. Which entries share a line, and so where the linker has put the table,
+/// moves the figures of several cores about as another seed does: only builds in which it lies
+/// alike give the same to the bit.
 ///
 /// Not modelled: the rays of a task, which travel from the core that made it to the one that takes
 /// it; what cores take from each other in memory bandwidth and shared cache; a clock that falls
