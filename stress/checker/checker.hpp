@@ -84,8 +84,8 @@ struct Result {
   bool finished = false;  ///< the search came to its end: nothing is left within its bounds
   /// A limit that was reached, for which the search shows less than everything; else empty.
   std::string incomplete{};
-  /// Executions differ where all choices are the same, so that nothing is known of the code: nothing
-  /// is proved, and nobody is accused.
+  /// Executions differ where all choices are the same, so that nothing is known of the code:
+  /// nothing is proved, and nobody is accused.
   bool differs = false;
   /// The place in the code that it speaks of, or the call in which time ran out; null if none.
   const void* incomplete_at = nullptr;

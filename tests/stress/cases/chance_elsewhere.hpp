@@ -1,6 +1,6 @@
 /// A bag that asks the C library for a number, from a state that no execution puts back, when it
-/// holds two elements. It has a data race, too, between a push and a pop, so that there is something
-/// to withhold.
+/// holds two elements. It has a data race, too, between a push and a pop, so that there is
+/// something to withhold.
 #pragma once
 
 #include <atomic>

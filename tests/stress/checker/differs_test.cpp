@@ -1,4 +1,5 @@
-// Code whose executions differ where all choices are the same: nothing is proved, and nobody accused.
+// Code whose executions differ where all choices are the same: nothing is proved, and nobody
+// accused.
 
 #include <gtest/gtest.h>
 #include <string>
