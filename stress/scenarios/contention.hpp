@@ -76,6 +76,20 @@ template <class Hand>
   }
 }
 
+/// Push or pop once, by the toss of a coin, work: the "50 % enqueues" of many papers on queues, as
+/// Morrison and Afek's on LCRQ (2013). A pop of an empty queue fails, and is not tried again.
+template <class Hand>
+[[gnu::always_inline]] inline void coin_toss(Hand&& hand) {
+  while (hand.running()) {
+    if (hand.random(2) == 0) {
+      hand.push();
+    } else {
+      hand.pop();
+    }
+    hand.work();
+  }
+}
+
 /// Producers push, with work after each; the others pop, with work after each found.
 template <class Hand>
 [[gnu::always_inline]] inline void sides(Hand&& hand) {
@@ -128,7 +142,7 @@ template <class Hand>
   }
 }
 
-enum class Program : std::uint8_t { pairs, exchange, bursts, sides, ping_pong, frames };
+enum class Program : std::uint8_t { pairs, exchange, bursts, coin_toss, sides, ping_pong, frames };
 
 /// Runs `program` with hands on queues: `hand_on(0)`, and of those with two queues `hand_on(1)`.
 /// Each program has a hand to itself: one that several share would have to live in memory.
@@ -141,6 +155,8 @@ template <class HandOn>
       return exchange(hand_on(0));
     case Program::bursts:
       return bursts(hand_on(0));
+    case Program::coin_toss:
+      return coin_toss(hand_on(0));
     case Program::sides:
       return sides(hand_on(0));
     case Program::frames:
@@ -221,6 +237,10 @@ inline constexpr std::array scenario_table{
     Scenario{.name = "bursts",
              .operation_mix = "each thread pushes 64, then pops 64",
              .program = Program::bursts,
+             .roles = all_do_both},
+    Scenario{.name = "coin-toss",
+             .operation_mix = "each thread pushes one or pops one, by the toss of a coin",
+             .program = Program::coin_toss,
              .roles = all_do_both},
     Scenario{.name = "ping-pong",
              .operation_mix = "couples pass one element to and fro over two queues",
