@@ -46,10 +46,7 @@ class SubjectOf final : public Subject {
  private:
   template <bool stamped>
   void run_stamped(Program program, Seat& seat) {
-    play(
-        program, [&](int queue) __attribute__((always_inline)) {
-          return Hand<Queue, stamped>(queue == 0 ? *first_ : *second_, seat);
-        });
+    play<Hand<Queue, stamped>>(program, *first_, second_.get(), seat);
   }
 
   std::unique_ptr<Queue> first_, second_;

@@ -144,27 +144,28 @@ template <class Hand>
 
 enum class Program : std::uint8_t { pairs, exchange, bursts, coin_toss, sides, ping_pong, frames };
 
-/// Runs `program` with hands on queues: `hand_on(0)`, and of those with two queues `hand_on(1)`.
-/// Each program has a hand to itself: one that several share would have to live in memory.
-template <class HandOn>
-[[gnu::always_inline]] inline void play(Program program, const HandOn& hand_on) {
+/// Runs `program` with a `Hand(queue, rest...)` on `first`, and where there are two queues one on
+/// `second`. Each program has a hand to itself: one that several share would have to live in
+/// memory. So would they all, by GCC 12, if this were inlined.
+template <class Hand, class Queue, class... Rest>
+[[gnu::noinline]] void play(Program program, Queue& first, Queue* second, Rest&... rest) {
   switch (program) {
     case Program::pairs:
-      return pairs(hand_on(0));
+      return pairs(Hand(first, rest...));
     case Program::exchange:
-      return exchange(hand_on(0));
+      return exchange(Hand(first, rest...));
     case Program::bursts:
-      return bursts(hand_on(0));
+      return bursts(Hand(first, rest...));
     case Program::coin_toss:
-      return coin_toss(hand_on(0));
+      return coin_toss(Hand(first, rest...));
     case Program::sides:
-      return sides(hand_on(0));
+      return sides(Hand(first, rest...));
     case Program::frames:
-      return frames(hand_on(0));
+      return frames(Hand(first, rest...));
     case Program::ping_pong:
       // Each thread pushes into one queue only and pops from the other only, so that what two hands
       // count of one thread does not overlap.
-      return ping_pong(hand_on(0), hand_on(1));
+      return ping_pong(Hand(first, rest...), Hand(*second, rest...));
   }
 }
 

@@ -80,7 +80,7 @@ void contend(Core& core) {
       core.push();
     core.meet();
   }
-  contention::play(scenario.program, [&core](std::size_t) { return CoreHand(core); });
+  contention::play<CoreHand>(scenario.program, core, &core);
 }
 
 template <std::size_t... numbers>

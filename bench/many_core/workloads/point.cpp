@@ -207,7 +207,7 @@ class Run {
 // Operations succeed, are counted and take their time as `attempt` says.
 class Run::Hand {
  public:
-  Hand(Run& run, unsigned thread, Queue& queue)
+  Hand(Queue& queue, Run& run, unsigned thread)
       : run_(run), thread_(thread), me_(run.workers_[thread]), queue_(queue) {}
 
   bool running() const { return !run_.machine_.over(); }
@@ -294,8 +294,7 @@ void Run::act(unsigned thread) {
     }
     return;
   }
-  contention::play(point_.scenario->program,
-                   [&](std::size_t queue) { return Hand(*this, thread, *queues_[queue]); });
+  contention::play<Hand>(point_.scenario->program, *queues_.front(), queues_.back(), *this, thread);
 }
 
 nlohmann::json latency_of(const Tally& tally) {
