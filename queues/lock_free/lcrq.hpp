@@ -245,7 +245,7 @@ class Lcrq {
     for (;;) {
       ClosableRing* ring = protect(worker, at_tail, tail_);
       // (7) seq_cst: pairs with (8), so that a ring we move `tail_` to is whole for who reads it
-      // there, and what we push into it is behind what linked it, for (9), too
+      // there, and what we push into it comes behind that link in the order of all
       ClosableRing* next = ring->next.load(std::memory_order_seq_cst);
       if (next != nullptr) {
         move(tail_, ring, next);
