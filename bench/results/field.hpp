@@ -52,6 +52,13 @@ struct Field {
   std::string_view low{}, high{};  ///< the fields with its interval
   std::string_view added{};        ///< a second field that is added in plots
 
+  /// The field as `change` leaves it. (Before those that use it, or Clang 14 cannot evaluate them.)
+  template <class Change>
+  constexpr Field with(Change change) const {
+    Field changed = *this;
+    change(changed);
+    return changed;
+  }
   constexpr Field at(Place where) const {
     return with([=](Field& f) { f.place = where; });
   }
@@ -84,14 +91,6 @@ struct Field {
   }
   constexpr Field plus(std::string_view field) const {
     return with([=](Field& f) { f.added = field; });
-  }
-
-  /// The field as `change` leaves it.
-  template <class Change>
-  constexpr Field with(Change change) const {
-    Field changed = *this;
-    change(changed);
-    return changed;
   }
 };
 

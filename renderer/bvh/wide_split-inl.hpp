@@ -306,9 +306,9 @@ struct Bins {
     }
     HWY_INLINE void add(const Bins& bins, int bin) {
       for (int axis = 0; axis < 3; ++axis) {
-        const float* const box = bins.box[Binning::place(bin, axis)].of;
-        lower_[axis] = hn::Min(lower_[axis], hn::Load(Four(), box));
-        upper_[axis] = hn::Min(upper_[axis], hn::Load(Four(), box + 4));
+        const float* const sides = bins.box[Binning::place(bin, axis)].of;
+        lower_[axis] = hn::Min(lower_[axis], hn::Load(Four(), sides));
+        upper_[axis] = hn::Min(upper_[axis], hn::Load(Four(), sides + 4));
       }
       count = hn::Add(count, hn::Load(FourInts(), bins.count + Binning::place(bin, 0)));
     }

@@ -9,7 +9,6 @@
 
 namespace irt::checker {
 
-using stress::Core;
 using stress::Element;
 using stress::Kind;
 using stress::Stamp;

@@ -14,6 +14,7 @@ namespace irt::checker {
 struct NamedValue {
   std::uint32_t root = 0;  ///< 0: a number, or an address in the file
   std::int64_t offset = 0;
+  // NOLINTNEXTLINE(modernize-use-nullptr): of the comparison that the compiler writes
   friend auto operator<=>(const NamedValue&, const NamedValue&) = default;
 };
 

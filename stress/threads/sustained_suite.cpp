@@ -79,7 +79,7 @@ class Life {
         traffic_(traffic),
         slots_(slots),
         random_(seed),
-        most_work_(seed % 3 == 0 ? 0 : 100 << seed % 3),
+        most_work_(seed % 3 == 0 ? 0U : 100U << seed % 3),
         accounts_(roles.workers),
         queue_(assignment.queue.make_word_queue(roles.workers, capacity)) {
     for (Account& account : accounts_) account.first_free.resize(roles.workers);

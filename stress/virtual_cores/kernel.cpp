@@ -25,7 +25,6 @@ using irt::virtual_cores::active;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::fill_randomly;
-using irt::virtual_cores::forever;
 using irt::virtual_cores::forget_registers;
 using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;

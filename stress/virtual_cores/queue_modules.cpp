@@ -41,7 +41,7 @@ std::string QueueModules::add(const std::filesystem::path& file) {
     throw UsageError("plug-in '" + file.string() + "': there is no " + module.filename().string() +
                      " beside it, which irt_add_plugin() builds where the irt that it finds "
                      "has virtual cores; configure and build the plug-in again");
-  const std::string name = file.stem();
+  std::string name = file.stem();
   if (!files_.emplace(name, module).second)
     throw UsageError("plug-in '" + file.string() + "': a queue named '" + name +
                      "' is there already; give the plug-in another name");

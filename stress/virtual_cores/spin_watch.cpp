@@ -65,13 +65,13 @@ class State {
     registers_ = registers_of(context);
     std::memcpy(vectors_.data(), context.uc_mcontext.fpregs, vector_bytes);
     const char* top = top_of(context);
-    std::memcpy(stack_.get(), top, reinterpret_cast<const char*>(stack_end) - top);
+    std::memcpy(stack_.get(), top, bytes_from(top, stack_end));
   }
   [[nodiscard]] bool is(const ucontext_t& context, std::uintptr_t stack_end) const {
     if (registers_ != registers_of(context)) return false;
     const char* top = top_of(context);
     return std::memcmp(vectors_.data(), context.uc_mcontext.fpregs, vector_bytes) == 0 &&
-           std::memcmp(stack_.get(), top, reinterpret_cast<const char*>(stack_end) - top) == 0;
+           std::memcmp(stack_.get(), top, bytes_from(top, stack_end)) == 0;
   }
 
  private:
@@ -82,6 +82,9 @@ class State {
     std::copy_n(context.uc_mcontext.gregs, result.size(), result.begin());
     result[REG_EFL] &= ~(trap_flag | resume_flag);
     return result;
+  }
+  static std::size_t bytes_from(const char* top, std::uintptr_t stack_end) {
+    return stack_end - reinterpret_cast<std::uintptr_t>(top);
   }
   static const char* top_of(const ucontext_t& context) {
     return reinterpret_cast<const char*>(context.uc_mcontext.gregs[REG_RSP]) - red_zone;

@@ -117,6 +117,7 @@ std::vector<unsigned> parse_cores(std::string_view text) {
 const contention::Scenario* parse_scenario(std::string_view name) {
   if (const contention::Scenario* found = contention::find_scenario(name)) return found;
   std::vector<std::string_view> names;
+  names.reserve(std::size(contention::scenario_table));
   for (const contention::Scenario& each : contention::scenario_table) names.push_back(each.name);
   throw UsageError(unknown_name("scenario", name, names));
 }

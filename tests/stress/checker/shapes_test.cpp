@@ -108,7 +108,8 @@ TEST(Batteries, age_a_queue_to_just_before_a_counter_wraps) {
   const auto crosses = [](const Claims& claims, bool old, std::uint64_t range) {
     for (const std::string& text : aged_battery(claims, old)) {
       const Shape shape = parse_shape(text);
-      std::size_t pushes = std::count(shape.prologue.begin(), shape.prologue.end(), 'E');
+      auto pushes =
+          static_cast<std::size_t>(std::count(shape.prologue.begin(), shape.prologue.end(), 'E'));
       if (shape.prologue == "F") pushes = shape.capacity;
       for (const std::string& thread : shape.threads)
         pushes += static_cast<std::size_t>(std::count(thread.begin(), thread.end(), 'E'));

@@ -93,8 +93,9 @@ void run(const Step& step, State& state) {
     case odd_one:
       return v.store(odd() ? step.value + 50 : step.value, order);
     case odd_slot:
-      return slots[(state.thread + (state.thread == step.thread ? 1 : 0)) % max_threads].store(
-          step.value, order);
+      return slots[(static_cast<unsigned>(state.thread) + (state.thread == step.thread ? 1U : 0U)) %
+                   max_threads]
+          .store(step.value, order);
     case scan:
       for (Slot& slot : slots) state.last += slot.load(order);
       return;
