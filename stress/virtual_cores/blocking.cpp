@@ -323,34 +323,24 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_init(pthread_rwlock_t* l, const pthread
 IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t*) {
   return 0;
 }
-IRT_REDIRECTED int irt_vc_pthread_rwlock_tryrdlock(pthread_rwlock_t* l) {
-  return take_to_read(word_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_rdlock(pthread_rwlock_t* l) {
-  return take_in_time(word_of(l, IRT_PC), take_to_read, nullptr, IRT_PC);
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_timedrdlock(pthread_rwlock_t* l,
-                                                     const timespec* deadline) {
-  return take_in_time(word_of(l, IRT_PC), take_to_read, deadline, IRT_PC);
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_clockrdlock(pthread_rwlock_t* l, clockid_t,
-                                                     const timespec* deadline) {
-  return take_in_time(word_of(l, IRT_PC), take_to_read, deadline, IRT_PC);
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_trywrlock(pthread_rwlock_t* l) {
-  return take_to_write(word_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_wrlock(pthread_rwlock_t* l) {
-  return take_in_time(word_of(l, IRT_PC), take_to_write, nullptr, IRT_PC);
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_timedwrlock(pthread_rwlock_t* l,
-                                                     const timespec* deadline) {
-  return take_in_time(word_of(l, IRT_PC), take_to_write, deadline, IRT_PC);
-}
-IRT_REDIRECTED int irt_vc_pthread_rwlock_clockwrlock(pthread_rwlock_t* l, clockid_t,
-                                                     const timespec* deadline) {
-  return take_in_time(word_of(l, IRT_PC), take_to_write, deadline, IRT_PC);
-}
+#define IRT_TAKE(kind, take)                                                                 \
+  IRT_REDIRECTED int irt_vc_pthread_rwlock_try##kind##lock(pthread_rwlock_t* l) {            \
+    return take(word_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;                                     \
+  }                                                                                          \
+  IRT_REDIRECTED int irt_vc_pthread_rwlock_##kind##lock(pthread_rwlock_t* l) {               \
+    return take_in_time(word_of(l, IRT_PC), take, nullptr, IRT_PC);                          \
+  }                                                                                          \
+  IRT_REDIRECTED int irt_vc_pthread_rwlock_timed##kind##lock(pthread_rwlock_t* l,            \
+                                                             const timespec* deadline) {     \
+    return take_in_time(word_of(l, IRT_PC), take, deadline, IRT_PC);                         \
+  }                                                                                          \
+  IRT_REDIRECTED int irt_vc_pthread_rwlock_clock##kind##lock(pthread_rwlock_t* l, clockid_t, \
+                                                             const timespec* deadline) {     \
+    return take_in_time(word_of(l, IRT_PC), take, deadline, IRT_PC);                         \
+  }
+IRT_TAKE(rd, take_to_read)
+IRT_TAKE(wr, take_to_write)
+#undef IRT_TAKE
 IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
   const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
   if (seen == writer)

@@ -27,7 +27,6 @@ Tenant native;
 
 // Stacks lie at an address of their own so that pointers to them are the same in every run.
 constexpr std::uintptr_t stacks_address = 0x100000000000;
-constexpr std::size_t page_bytes = 4096;
 std::uintptr_t stacks_end = stacks_address;
 
 // Stacks begin at different offsets within a page, or the frames of all cores would compete for the

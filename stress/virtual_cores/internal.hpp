@@ -78,12 +78,19 @@ inline int set_errno(int error) {
   return -1;
 }
 
+/// Of the host and of the code.
+inline constexpr std::size_t page_bytes = 4096;
+
+inline constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
+inline std::int64_t nanoseconds_of(const timespec& time) {
+  return time.tv_sec * nanoseconds_per_second + time.tv_nsec;
+}
+
 inline constexpr std::int64_t forever = -1;
 /// Nanoseconds until `deadline`, never negative; `forever` if there is none.
 inline std::int64_t until(const timespec* deadline) {
   if (deadline == nullptr) return forever;
-  const std::int64_t left =
-      deadline->tv_sec * std::int64_t{1'000'000'000} + deadline->tv_nsec - active->now();
+  const std::int64_t left = nanoseconds_of(*deadline) - active->now();
   return left < 0 ? 0 : left;
 }
 

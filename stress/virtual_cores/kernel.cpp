@@ -26,8 +26,11 @@ using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::fill_randomly;
 using irt::virtual_cores::forget_registers;
+using irt::virtual_cores::nanoseconds_of;
+using irt::virtual_cores::nanoseconds_per_second;
 using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;
+using irt::virtual_cores::page_bytes;
 using irt::virtual_cores::Range;
 using irt::virtual_cores::set_errno;
 using irt::virtual_cores::until;
@@ -38,8 +41,6 @@ using irt::virtual_cores::Wake;
 [[noreturn]] void refuse(const std::string& what) {
   irt::virtual_cores::Tenant::refuse("the code " + what + ", which virtual cores do not support");
 }
-
-constexpr std::size_t page_bytes = 4096;
 
 std::size_t whole_pages(std::size_t bytes) {
   return (bytes + page_bytes - 1) / page_bytes * page_bytes;
@@ -118,9 +119,7 @@ long futex(std::uintptr_t address, int operation, std::uint32_t value, const tim
     case FUTEX_WAIT:
     case FUTEX_WAIT_BITSET: {
       const bool relative = (operation & FUTEX_CMD_MASK) == FUTEX_WAIT && time != nullptr;
-      const std::int64_t nanoseconds =
-          relative ? time->tv_sec * 1'000'000'000 + time->tv_nsec : until(time);
-      switch (active->wait(address, value, nanoseconds, pc)) {
+      switch (active->wait(address, value, relative ? nanoseconds_of(*time) : until(time), pc)) {
         case Wake::woken:
           return 0;
         case Wake::value_differs:
@@ -153,6 +152,11 @@ IRT_REDIRECTED void* irt_vc_mmap(void* place, std::size_t length, int protection
     return MAP_FAILED;
   }
   const std::size_t bytes = whole_pages(length);
+  if ((flags & MAP_FIXED_NOREPLACE) == MAP_FIXED_NOREPLACE &&
+      mapping_around({begin, begin + bytes}).end != 0) {
+    set_errno(EEXIST);
+    return MAP_FAILED;
+  }
   return fixed ? map_fixed({begin, begin + bytes}, IRT_PC) : map(bytes, IRT_PC);
 }
 asm(".globl irt_vc_mmap64\n.set irt_vc_mmap64, irt_vc_mmap");
@@ -260,8 +264,7 @@ IRT_REDIRECTED int irt_vc_poll(pollfd*, nfds_t count, int milliseconds) {
 }
 IRT_REDIRECTED int irt_vc_select(int count, fd_set*, fd_set*, fd_set*, timeval* time) {
   if (count != 0 || time == nullptr) refuse("calls select()");
-  active->sleep(std::int64_t{time->tv_sec} * 1'000'000'000 + std::int64_t{time->tv_usec} * 1'000,
-                IRT_PC);
+  active->sleep(time->tv_sec * nanoseconds_per_second + time->tv_usec * 1'000, IRT_PC);
   return 0;
 }
 

@@ -23,6 +23,7 @@ using irt::virtual_cores::active;
 using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
+using irt::virtual_cores::nanoseconds_of;
 
 #define IRT_PC __builtin_return_address(0)
 
@@ -173,11 +174,8 @@ IRT_REDIRECTED int irt_vc___cxa_atexit(void (*)(void*), void*, void*) {
 
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000;
+constexpr std::int64_t second = irt::virtual_cores::nanoseconds_per_second;
 
-std::int64_t nanoseconds_of(const timespec& time) {
-  return time.tv_sec * second + time.tv_nsec;
-}
 timespec timespec_of(std::int64_t time) {
   return {time / second, time % second};
 }
@@ -277,10 +275,7 @@ IRT_REDIRECTED unsigned irt_vc_sleep(unsigned seconds) {
   active->sleep(seconds * second, IRT_PC);
   return 0;
 }
-IRT_REDIRECTED int irt_vc_thrd_sleep(const timespec* time, timespec*) {
-  active->sleep(nanoseconds_of(*time), IRT_PC);
-  return 0;
-}
+asm(".globl irt_vc_thrd_sleep\n.set irt_vc_thrd_sleep, irt_vc_nanosleep");
 asm(".globl irt_vc_thrd_yield\n.set irt_vc_thrd_yield, irt_vc_sched_yield");
 IRT_REDIRECTED pthread_t irt_vc_pthread_self() {
   return current_core + pthread_t{1};
