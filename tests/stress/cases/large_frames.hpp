@@ -1,12 +1,11 @@
-/// Bags under a lock whose pop needs much stack: less than a thread of Linux has, or without end.
+/// Queues under a lock whose pop needs much stack: less than a thread of Linux has, or without end.
 #pragma once
 
 #include <array>
 #include <cstddef>
-#include <mutex>
 #include <string_view>
-#include <vector>
 
+#include "queues/blocking/mutex_queue.hpp"
 #include "queues/work_queue.hpp"
 
 namespace irt {
@@ -14,51 +13,32 @@ namespace irt {
 template <class T, bool endless>
 class LargeFrames_ {
  public:
-  static constexpr std::string_view summary = "a bag under a lock whose pop needs much stack";
+  static constexpr std::string_view summary = "a queue under a lock whose pop needs much stack";
   static constexpr Claims claims{.survives_no_memory = false};
 
-  LargeFrames_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  LargeFrames_(unsigned workers, std::size_t capacity) : tasks_(workers, capacity) {}
 
-  bool push(unsigned /*worker*/, T task) {
-    const std::lock_guard lock(mutex_);
-    tasks_.push_back(task);
-    return true;
-  }
-
-  bool pop(unsigned /*worker*/, T& task) {
-    const std::lock_guard lock(mutex_);
-    return walk(tasks_.size(), task);
-  }
+  bool push(unsigned worker, T task) { return tasks_.push(worker, task); }
+  bool pop(unsigned worker, T& task) { return walk(worker, task, 0); }
 
  private:
   // NOLINTNEXTLINE(misc-no-recursion)
-  [[gnu::noinline]] bool walk(std::size_t left, T& task) {
+  [[gnu::noinline]] bool walk(unsigned worker, T& task, std::size_t depth) {
     std::array<unsigned char, 400'000> frame;
     // Somebody looks at it, or a compiler leaves it out.
     asm volatile("" : : "r"(frame.data()) : "memory");
-    bool found = false;
-    if (endless && left != ~std::size_t{0}) {
-      found = walk(left + 1, task);
-    } else if (left != 0) {
-      task = tasks_.back();
-      tasks_.pop_back();
-      found = true;
-    }
+    const bool found = endless && depth != ~std::size_t{0} ? walk(worker, task, depth + 1)
+                                                           : tasks_.pop(worker, task);
     asm volatile("" : : "r"(frame.data()) : "memory");
     return found;
   }
 
-  std::mutex mutex_;
-  std::vector<T> tasks_;
+  MutexQueue<T> tasks_;
 };
 
 template <class T>
-class EndlessRecursionBug : public LargeFrames_<T, true> {
-  using LargeFrames_<T, true>::LargeFrames_;
-};
+using EndlessRecursionBug = LargeFrames_<T, true>;
 template <class T>
-class LargeFrames : public LargeFrames_<T, false> {
-  using LargeFrames_<T, false>::LargeFrames_;
-};
+using LargeFrames = LargeFrames_<T, false>;
 
 }  // namespace irt

@@ -212,70 +212,38 @@ class LibraryLocked {
 };
 
 template <class T>
-class TriedMutexBag : public LibraryLocked<T, TriedMutex> {
-  using LibraryLocked<T, TriedMutex>::LibraryLocked;
-};
+using TriedMutexBag = LibraryLocked<T, TriedMutex>;
 template <class T>
-class TriedSpinLockBag : public LibraryLocked<T, TriedSpinLock> {
-  using LibraryLocked<T, TriedSpinLock>::LibraryLocked;
-};
+using TriedSpinLockBag = LibraryLocked<T, TriedSpinLock>;
 template <class T>
-class SleepingFlagBag : public LibraryLocked<T, SleepingFlag> {
-  using LibraryLocked<T, SleepingFlag>::LibraryLocked;
-};
+using SleepingFlagBag = LibraryLocked<T, SleepingFlag>;
 template <class T>
-class PolledFlagBag : public LibraryLocked<T, PolledFlag> {
-  using LibraryLocked<T, PolledFlag>::LibraryLocked;
-};
+using PolledFlagBag = LibraryLocked<T, PolledFlag>;
 template <class T>
-class GivesUpBug : public LibraryLocked<T, TriedSpinLock, 5> {
-  using LibraryLocked<T, TriedSpinLock, 5>::LibraryLocked;
-};
+using GivesUpBug = LibraryLocked<T, TriedSpinLock, 5>;
 template <class T>
-class GivesUpMutexBug : public LibraryLocked<T, std::mutex, 5> {
-  using LibraryLocked<T, std::mutex, 5>::LibraryLocked;
-};
+using GivesUpMutexBug = LibraryLocked<T, std::mutex, 5>;
 
 template <class T>
-class TimedMutexBag : public LibraryLocked<T, TimedLock<std::timed_mutex>> {
-  using LibraryLocked<T, TimedLock<std::timed_mutex>>::LibraryLocked;
-};
+using TimedMutexBag = LibraryLocked<T, TimedLock<std::timed_mutex>>;
 template <class T>
-class TimedSharedMutexBag : public LibraryLocked<T, TimedLock<std::shared_timed_mutex>> {
-  using LibraryLocked<T, TimedLock<std::shared_timed_mutex>>::LibraryLocked;
-};
+using TimedSharedMutexBag = LibraryLocked<T, TimedLock<std::shared_timed_mutex>>;
 template <class T>
-class TimedReadWriteBag : public LibraryLocked<T, TimedReadWriteLock> {
-  using LibraryLocked<T, TimedReadWriteLock>::LibraryLocked;
-};
+using TimedReadWriteBag = LibraryLocked<T, TimedReadWriteLock>;
 template <class T>
-class TimedSemaphoreBag : public LibraryLocked<T, TimedSemaphore> {
-  using LibraryLocked<T, TimedSemaphore>::LibraryLocked;
-};
+using TimedSemaphoreBag = LibraryLocked<T, TimedSemaphore>;
 template <class T>
-class TimedStandardSemaphoreBag : public LibraryLocked<T, TimedStandardSemaphore> {
-  using LibraryLocked<T, TimedStandardSemaphore>::LibraryLocked;
-};
+using TimedStandardSemaphoreBag = LibraryLocked<T, TimedStandardSemaphore>;
 template <class T>
-class TimedC11Bag : public LibraryLocked<T, TimedC11Mutex> {
-  using LibraryLocked<T, TimedC11Mutex>::LibraryLocked;
-};
+using TimedC11Bag = LibraryLocked<T, TimedC11Mutex>;
 template <class T>
-class TimesOutMutexBug : public LibraryLocked<T, TimedLock<std::timed_mutex>, 1> {
-  using LibraryLocked<T, TimedLock<std::timed_mutex>, 1>::LibraryLocked;
-};
+using TimesOutMutexBug = LibraryLocked<T, TimedLock<std::timed_mutex>, 1>;
 template <class T>
-class TimesOutReadWriteBug : public LibraryLocked<T, TimedReadWriteLock, 1> {
-  using LibraryLocked<T, TimedReadWriteLock, 1>::LibraryLocked;
-};
+using TimesOutReadWriteBug = LibraryLocked<T, TimedReadWriteLock, 1>;
 template <class T>
-class TimesOutSemaphoreBug : public LibraryLocked<T, TimedSemaphore, 1> {
-  using LibraryLocked<T, TimedSemaphore, 1>::LibraryLocked;
-};
+using TimesOutSemaphoreBug = LibraryLocked<T, TimedSemaphore, 1>;
 template <class T>
-class TimesOutC11Bug : public LibraryLocked<T, TimedC11Mutex, 1> {
-  using LibraryLocked<T, TimedC11Mutex, 1>::LibraryLocked;
-};
+using TimesOutC11Bug = LibraryLocked<T, TimedC11Mutex, 1>;
 
 /// A pop that finds nothing looks at the clock for an hour.
 template <class T>

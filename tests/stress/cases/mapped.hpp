@@ -102,24 +102,14 @@ class MappedList {
 };
 
 template <class T>
-class MappedPages : public MappedList<T, Pages> {
-  using MappedList<T, Pages>::MappedList;
-};
+using MappedPages = MappedList<T, Pages>;
 template <class T>
-class MappedAligned : public MappedList<T, AlignedPages> {
-  using MappedList<T, AlignedPages>::MappedList;
-};
+using MappedAligned = MappedList<T, AlignedPages>;
 template <class T>
-class MappedUsesBug : public MappedList<T, Pages, Unmapping::before_it_is_read> {
-  using MappedList<T, Pages, Unmapping::before_it_is_read>::MappedList;
-};
+using MappedUsesBug = MappedList<T, Pages, Unmapping::before_it_is_read>;
 template <class T>
-class MappedAlignedUsesBug : public MappedList<T, AlignedPages, Unmapping::before_it_is_read> {
-  using MappedList<T, AlignedPages, Unmapping::before_it_is_read>::MappedList;
-};
+using MappedAlignedUsesBug = MappedList<T, AlignedPages, Unmapping::before_it_is_read>;
 template <class T>
-class MappedLeaksBug : public MappedList<T, Pages, Unmapping::never> {
-  using MappedList<T, Pages, Unmapping::never>::MappedList;
-};
+using MappedLeaksBug = MappedList<T, Pages, Unmapping::never>;
 
 }  // namespace irt

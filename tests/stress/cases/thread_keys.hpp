@@ -4,12 +4,11 @@
 
 #include <cstddef>
 #include <cstdlib>
-#include <mutex>
 #include <pthread.h>
 #include <string_view>
 #include <threads.h>
-#include <vector>
 
+#include "queues/blocking/mutex_queue.hpp"
 #include "queues/work_queue.hpp"
 
 namespace irt {
@@ -49,11 +48,10 @@ class KeyedBag {
   static constexpr std::string_view summary = "a bag whose threads count by a key";
   static constexpr Claims claims{.survives_no_memory = false};
 
-  KeyedBag(unsigned /*workers*/, std::size_t /*capacity*/) : key_(frees ? &std::free : nullptr) {
-    tasks_.reserve(400);
-  }
+  KeyedBag(unsigned workers, std::size_t capacity)
+      : key_(frees ? &std::free : nullptr), tasks_(workers, capacity) {}
 
-  bool push(unsigned /*worker*/, T task) {
+  bool push(unsigned worker, T task) {
     auto* pushed = static_cast<unsigned*>(key_.get());
     if (pushed == nullptr) {
       pushed = static_cast<unsigned*>(std::calloc(1, sizeof *pushed));
@@ -61,36 +59,21 @@ class KeyedBag {
       key_.set(pushed);
     }
     ++*pushed;
-    const std::lock_guard lock(mutex_);
-    tasks_.push_back(task);
-    return true;
+    return tasks_.push(worker, task);
   }
 
-  bool pop(unsigned /*worker*/, T& task) {
-    const std::lock_guard lock(mutex_);
-    if (tasks_.empty()) return false;
-    task = tasks_.back();
-    tasks_.pop_back();
-    return true;
-  }
+  bool pop(unsigned worker, T& task) { return tasks_.pop(worker, task); }
 
  private:
   Key key_;
-  std::mutex mutex_;
-  std::vector<T> tasks_;
+  MutexQueue<T> tasks_;
 };
 
 template <class T>
-class PosixKeyBag : public KeyedBag<T, PosixKey> {
-  using KeyedBag<T, PosixKey>::KeyedBag;
-};
+using PosixKeyBag = KeyedBag<T, PosixKey>;
 template <class T>
-class C11KeyBag : public KeyedBag<T, C11Key> {
-  using KeyedBag<T, C11Key>::KeyedBag;
-};
+using C11KeyBag = KeyedBag<T, C11Key>;
 template <class T>
-class PosixKeyLeaksBug : public KeyedBag<T, PosixKey, false> {
-  using KeyedBag<T, PosixKey, false>::KeyedBag;
-};
+using PosixKeyLeaksBug = KeyedBag<T, PosixKey, false>;
 
 }  // namespace irt
