@@ -240,6 +240,16 @@ Result check(const Scenario& scenario, const Options& options) {
   return result;
 }
 
+void add_counts(Result& sum, const Result& part) {
+  sum.executions += part.executions;
+  sum.complete += part.complete;
+  sum.blocked += part.blocked;
+  sum.cut += part.cut;
+  sum.assumed_waits += part.assumed_waits;
+  sum.allocates = sum.allocates || part.allocates;
+  sum.differs = sum.differs || part.differs;
+}
+
 void confirm(const Scenario& scenario, const Options& options, Result& result) {
   if (!result.finding) return;
   const auto again = repeat(scenario, options, result.schedule);

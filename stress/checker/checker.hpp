@@ -100,6 +100,9 @@ struct Result {
 
 Result check(const Scenario& scenario, const Options& options);
 
+/// Adds to `sum` what was made and seen in another part of the same search.
+void add_counts(Result& sum, const Result& part);
+
 /// Takes back the finding of `result` if it does not come again when it is repeated.
 void confirm(const Scenario& scenario, const Options& options, Result& result);
 

@@ -206,13 +206,7 @@ class Parts {
         sum.incomplete = part.incomplete;
         sum.incomplete_at = part.incomplete_at;
       }
-      sum.differs = sum.differs || part.differs;
-      sum.executions += part.executions;
-      sum.complete += part.complete;
-      sum.blocked += part.blocked;
-      sum.cut += part.cut;
-      sum.assumed_waits += part.assumed_waits;
-      sum.allocates = sum.allocates || part.allocates;
+      add_counts(sum, part);
       sum.finished = sum.finished && part.finished;
       sum.explored += part.explored / static_cast<double>(parts_.size());
     }

@@ -12,6 +12,7 @@ namespace irt::checker {
 using stress::Element;
 using stress::Kind;
 using stress::Stamp;
+using stress::state_of;
 using stress::WorkerState;
 
 // --- The core ---------------------------------------------------------------------------------
@@ -132,18 +133,13 @@ void ScenarioClient::prepare() {
   run_.calls.clear();
   run_.pushed_after.assign(roles_.workers, {});
   drain_.clear();
-  for (unsigned worker = 0; worker < roles_.workers; ++worker)
-    states_[worker] = {.worker = worker,
-                       .workers = roles_.workers,
-                       .pushers = roles_.producers,
-                       .poppers = roles_.consumers,
-                       .pushes = roles_.pushes(worker),
-                       .pops = roles_.pops(worker),
-                       .capacity = capacity_,
-                       .claims = entry_.claims,
-                       .random = SplitMix(SplitMix::mixed(seed_ + worker + 1)),
-                       .operations = operations_,
-                       .log = {}};
+  for (unsigned worker = 0; worker < roles_.workers; ++worker) {
+    WorkerState& state = states_[worker] = state_of(roles_, worker);
+    state.capacity = capacity_;
+    state.claims = entry_.claims;
+    state.random = SplitMix(SplitMix::mixed(seed_ + worker + 1));
+    state.operations = operations_;
+  }
   queue_ = entry_.make_word_queue(roles_.workers, capacity_).release();
 }
 

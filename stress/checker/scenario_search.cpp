@@ -90,12 +90,7 @@ class Rounds {
 };
 
 void add(Result& sum, Result part) {
-  sum.executions += part.executions;
-  sum.complete += part.complete;
-  sum.blocked += part.blocked;
-  sum.cut += part.cut;
-  sum.assumed_waits += part.assumed_waits;
-  sum.allocates = sum.allocates || part.allocates;
+  add_counts(sum, part);
   if (sum.incomplete.empty()) sum.incomplete = std::move(part.incomplete);
   sum.finding = std::move(part.finding);
   sum.schedule = std::move(part.schedule);

@@ -99,13 +99,8 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
         std::exchange(shape.result, check_in_parts(client.scenario(), options, settings_.jobs));
     Result& result = shape.result;
     place(result);
-    result.executions += before.executions;
-    result.complete += before.complete;
-    result.blocked += before.blocked;
-    result.cut += before.cut;
+    add_counts(result, before);
     result.seconds += before.seconds;
-    result.allocates = result.allocates || before.allocates;
-    result.differs = result.differs || before.differs;
     if (result.incomplete.empty()) result.incomplete = before.incomplete;
     shape.histories = std::max(shape.histories, result.histories.size());
     if (!result.finding) return;

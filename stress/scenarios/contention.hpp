@@ -43,8 +43,7 @@ struct Burst {
   bool works_after_each = false;
 };
 
-// --- Programs: what each thread does until the end
-// ------------------------------------------------
+// --- Programs: what each thread does until the end -----------------------------------------------
 
 /// Push, work, pop until an element is found, work.
 template <class Hand>
@@ -169,8 +168,7 @@ template <class Hand, class Queue, class... Rest>
   }
 }
 
-// --- Scenarios: who plays which program
-// -----------------------------------------------------------
+// --- Scenarios: who plays which program ----------------------------------------------------------
 
 struct Scenario {
   std::string_view name;

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "queues/roles.hpp"
 #include "queues/split_mix.hpp"
 #include "queues/work_queue.hpp"
 #include "stress/history/operation.hpp"
@@ -109,6 +110,17 @@ struct WorkerState {
     return (operations + operations / 2 + 64) * generations;
   }
 };
+
+/// Of `worker` in a run with these roles; the rest is the run's to fill in.
+inline WorkerState state_of(const Roles& roles, unsigned worker) {
+  return {.worker = worker,
+          .workers = roles.workers,
+          .pushers = roles.producers,
+          .poppers = roles.consumers,
+          .pushes = roles.pushes(worker),
+          .pops = roles.pops(worker),
+          .log = {}};
+}
 
 /// One worker of a run. Not thread-safe; each thread has its own.
 class Core {

@@ -143,19 +143,12 @@ class ScenarioRunner {
     const std::uint64_t operations =
         std::max(std::min<std::uint64_t>(size, 32), size / scenario_.generations);
     for (unsigned worker = 0; worker < roles_.workers; ++worker) {
-      WorkerState& state = states_[worker];
-      state = {.worker = worker,
-               .workers = roles_.workers,
-               .pushers = roles_.producers,
-               .poppers = roles_.consumers,
-               .pushes = roles_.pushes(worker),
-               .pops = roles_.pops(worker),
-               .capacity = capacity_,
-               .claims = claims_,
-               .random = SplitMix(mix_seed(seed, worker)),
-               .operations = operations,
-               .log = {},
-               .payloads = &payloads_};
+      WorkerState& state = states_[worker] = state_of(roles_, worker);
+      state.capacity = capacity_;
+      state.claims = claims_;
+      state.random = SplitMix(mix_seed(seed, worker));
+      state.operations = operations;
+      state.payloads = &payloads_;
       state.log.reserve(state.log_size(scenario_.generations));
     }
     payloads_.prepare(roles_.workers, states_[0].log_size(scenario_.generations), seed);
