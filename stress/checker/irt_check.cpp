@@ -10,7 +10,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "queues/nearest.hpp"
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/mutants_check.hpp"
@@ -58,13 +57,6 @@ std::filesystem::path own_directory() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-std::string no_such_queue(const std::string& name,
-                          const irt::virtual_cores::QueueModules& modules) {
-  const std::vector<std::string> known = modules.names();
-  return irt::unknown_name("queue", name,
-                           std::vector<std::string_view>(known.begin(), known.end()));
-}
-
 /// The module that the line asks for: a file, a queue of the tree or of a plug-in.
 std::string module_of(CommandLine& line) {
   if (!line.module.empty()) return line.module;
@@ -76,9 +68,7 @@ std::string module_of(CommandLine& line) {
   if (line.queue.empty())
     throw irt::UsageError(
         fmt::format("which queue? --queue takes one of {}", fmt::join(modules.names(), ", ")));
-  const auto* const file = modules.find(line.queue);
-  if (file == nullptr) throw irt::UsageError(no_such_queue(line.queue, modules));
-  return *file;
+  return modules.at(line.queue);
 }
 
 json to_json(const checker::ShapeResult& s) {

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <stdexcept>
 
+#include "queues/nearest.hpp"
 #include "queues/plugin.hpp"
 #include "stress/running/usage_error.hpp"
 
@@ -58,6 +59,13 @@ std::vector<std::string> QueueModules::names() const {
 const std::filesystem::path* QueueModules::find(const std::string& name) const {
   const auto found = files_.find(name);
   return found == files_.end() ? nullptr : &found->second;
+}
+
+const std::filesystem::path& QueueModules::at(const std::string& name) const {
+  if (const auto* file = find(name)) return *file;
+  const std::vector<std::string> known = names();
+  throw UsageError(
+      unknown_name("queue", name, std::vector<std::string_view>(known.begin(), known.end())));
 }
 
 }  // namespace irt::virtual_cores

@@ -34,6 +34,9 @@ class QueueModules {
   /// The module of the queue `name`; null if there is none.
   const std::filesystem::path* find(const std::string& name) const;
 
+  /// The same. Throws UsageError that names the nearest one there is.
+  const std::filesystem::path& at(const std::string& name) const;
+
  private:
   std::map<std::string, std::filesystem::path> files_;
 };

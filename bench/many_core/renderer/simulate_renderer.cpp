@@ -118,7 +118,7 @@ void settle(Arguments& given, const QueueRegistry& registry) {
 std::vector<std::filesystem::path> modules_of(const std::vector<std::string>& queues,
                                               const virtual_cores::QueueModules& modules) {
   std::vector<std::filesystem::path> files;
-  for (const std::string& queue : queues) files.push_back(module_of_queue(modules, queue));
+  for (const std::string& queue : queues) files.push_back(modules.at(queue));
   return files;
 }
 

@@ -78,7 +78,7 @@ int sensitivity(const SweepOptions& options, const std::atomic<bool>& interrupte
         for (const std::string& queue : queues)
           tasks.push_back({&variant.profile,
                            with_threads({.subject = queue,
-                                         .module = module_of_queue(options.queues, queue),
+                                         .module = options.queues.at(queue),
                                          .scenario = options.scenario,
                                          .work_ns = options.work_ns,
                                          .capacity = options.capacity,

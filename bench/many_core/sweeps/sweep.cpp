@@ -71,14 +71,6 @@ std::vector<std::pair<std::string, std::string>> primitives() {
   return all;
 }
 
-std::filesystem::path module_of_queue(const virtual_cores::QueueModules& queues,
-                                      const std::string& name) {
-  if (const auto* file = queues.find(name)) return *file;
-  const std::vector<std::string> known = queues.names();
-  throw UsageError(
-      unknown_name("queue", name, std::vector<std::string_view>(known.begin(), known.end())));
-}
-
 std::filesystem::path module_of_primitive(const std::string& name) {
   std::vector<std::string> known;
   for (const auto& each : primitives()) known.push_back(each.first);
@@ -253,15 +245,14 @@ std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile>
   std::vector<Task> tasks;
   for (const Profile& profile : profiles) {
     for (const auto& [name, primitive] : subjects) {
-      Point point{
-          .subject = name,
-          .module = primitive ? module_of_primitive(name) : module_of_queue(options.queues, name),
-          .scenario = primitive ? nullptr : options.scenario,
-          .work_ns = options.work_ns,
-          .capacity = options.capacity,
-          .placement = options.placement,
-          .warm_up_ns = options.measured_ns / 5,
-          .measured_ns = options.measured_ns};
+      Point point{.subject = name,
+                  .module = primitive ? module_of_primitive(name) : options.queues.at(name),
+                  .scenario = primitive ? nullptr : options.scenario,
+                  .work_ns = options.work_ns,
+                  .capacity = options.capacity,
+                  .placement = options.placement,
+                  .warm_up_ns = options.measured_ns / 5,
+                  .measured_ns = options.measured_ns};
       for (const unsigned threads : options.cores) {
         if (point.scenario != nullptr && threads < point.scenario->least_threads) continue;
         point = with_threads(point, threads);

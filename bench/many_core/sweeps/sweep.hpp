@@ -36,9 +36,7 @@ struct SweepOptions {
 
 /// The primitives, with a line on each.
 std::vector<std::pair<std::string, std::string>> primitives();
-/// Where the code of a queue or primitive is. Throw UsageError that names the nearest.
-std::filesystem::path module_of_queue(const virtual_cores::QueueModules& queues,
-                                      const std::string& name);
+/// Where the code of a primitive is. Throws UsageError that names the nearest.
 std::filesystem::path module_of_primitive(const std::string& name);
 
 /// "1..128" or "1,2,4". Throws UsageError, as the others do.

@@ -37,7 +37,7 @@ double factor(double a, double b) {
 std::optional<std::filesystem::path> module_of(const SweepOptions& options,
                                                const std::string& subject, bool primitive) {
   try {
-    return primitive ? module_of_primitive(subject) : module_of_queue(options.queues, subject);
+    return primitive ? module_of_primitive(subject) : options.queues.at(subject);
   } catch (const UsageError&) {
     return std::nullopt;
   }
