@@ -69,6 +69,18 @@ first_error() {
     head -n 12 >&2
 }
 
+# note_need OPTION VALUE : what a header needs beside itself, into includes, links and sources of the
+# caller, each as ",a,b". The option is one of --include, --link and --source.
+note_need() {
+  local value=$2
+  [[ -e $value ]] && value=$(realpath -- "$value")
+  case $1 in
+    --include) includes+=,$value ;;
+    --link) links+=,$value ;;
+    --source) sources+=,$value ;;
+  esac
+}
+
 # quoted_list ",a,b" : "a" "b", for CMake.
 quoted_list() {
   local element
@@ -107,12 +119,11 @@ build_outside() {
     class=$found
   fi
   outside_queue=$(outside_name "$header" "$class" "$([[ ${#all[@]} == 1 || ${classes[*]} == "$class" ]] || echo several)")
-  local key folder flags=''
+  local key folder flags
   key=$(printf '%s\n' "$preset" "$header" "$class" "$includes" "$links" "$sources" | cksum | cut -d' ' -f1)
   folder=$here/build/outside/$outside_queue-$key
   outside_plugin=$folder/build/$outside_queue.so
-  [[ $preset == release ]] ||
-    flags=$(sed -n "/\"name\": \"$preset\"/,/}/s/.*\"CMAKE_CXX_FLAGS\": \"\(.*\)\"/\1/p" "$here/CMakePresets.json" | head -n 1)
+  flags=$(sed -n 's/^CMAKE_CXX_FLAGS:[A-Z]*=//p' "$here/build/$preset/CMakeCache.txt")
   mkdir -p -- "$folder"
   exec {outside_lock}>"$folder/lock"
   flock "$outside_lock"
@@ -153,11 +164,19 @@ P
 tools_with_plugins=(compare render list collide overhead stress check simulate 'bench contention'
   'bench counted' 'bench instructions')
 
-# has_outside_queue ARGUMENTS... : whether one of them, or of a list, is the header of a queue.
+# has_outside_queue ARGUMENTS... : whether a header is among the queues.
 has_outside_queue() {
-  local argument
+  local argument previous='' element
   for argument; do
-    [[ ,${argument#--queue*=} =~ ,[^,]+\.(hpp|hh|hxx|h)(:[A-Za-z0-9_:]+)?(,|$) ]] && return 0
+    [[ $argument == --queue*=* ]] && previous=--queue
+    case $previous in
+      -q | --queue | --queues)
+        while read -r -d, element; do
+          [[ $element =~ $outside_pattern ]] && return 0
+        done <<<"${argument#--queue*=},"
+        ;;
+    esac
+    previous=$argument
   done
   return 1
 }
@@ -183,16 +202,14 @@ replace_outside_queues() {
   while (($#)); do
     option=${1%%=*} value=''
     case $option in
-      --include | --link | --source | --queue | --queues)
+      --include | --link | --source | -q | --queue | --queues)
         if [[ $1 == *=* ]]; then value=${1#*=}; else value=${2:-} && shift; fi
         shift
         ;;
     esac
     case $option in
-      --include) includes+=,$(realpath -m -- "$value") ;;
-      --link) if [[ -e $value ]]; then links+=,$(realpath -- "$value"); else links+=,$value; fi ;;
-      --source) sources+=,$(realpath -m -- "$value") ;;
-      --queue | --queues) lists+=("$value") rest+=("$option" "$((${#lists[@]} - 1))@") ;;
+      --include | --link | --source) note_need "$option" "$value" ;;
+      -q | --queue | --queues) lists+=("$value") rest+=("$option" "$((${#lists[@]} - 1))@") ;;
       *) rest+=("$1") && shift ;;
     esac
   done
@@ -212,7 +229,7 @@ replace_outside_queues() {
   done
   replaced=()
   for argument in "${rest[@]}"; do
-    if [[ $previous == --queue* && $argument == *@ ]]; then argument=${lists[${argument%@}]}; fi
+    if [[ $previous == -q || $previous == --queue* ]] && [[ $argument == *@ ]]; then argument=${lists[${argument%@}]}; fi
     replaced+=("$argument")
     previous=$argument
   done

@@ -69,9 +69,7 @@ watch_queue() {
       -h | --help) help_watch && return 0 ;;
       --once) once=yes ;;
       --against) against=${2:-} && shift ;;
-      --include) includes+=,$(realpath -m -- "${2:-}") && shift ;;
-      --link) links+=,${2:-} && shift ;;
-      --source) sources+=,$(realpath -m -- "${2:-}") && shift ;;
+      --include | --link | --source) note_need "$1" "${2:-}" && shift ;;
       -*) usage_error "watch: unknown option $1; see 'irt help watch'" ;;
       *)
         [[ -z $header ]] || usage_error "watch: one header at a time; '$header' and '$1' were given"

@@ -141,6 +141,14 @@ outside_queue_is_built_and_passed_on() {
     diff - <(printf '<%s>\n' render --queue lfree,spin-ring --frames 3 --plugin "$plugin") ||
     fail "passed on otherwise"
 
+  # What only looks like a header is left alone.
+  irt render --out results.hpp
+  expect_code 0
+  expect_not_in out --plugin
+  irt render -q 'my queues/spin_ring.hpp:mine::SpinRing'
+  expect_code 0
+  expect_in out '<spin-ring>'
+
   # What was saved is compiled again.
   echo 'error here' >>'my queues/spin_ring.hpp'
   irt render --queue='my queues/spin_ring.hpp'
