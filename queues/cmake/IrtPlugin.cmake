@@ -4,11 +4,11 @@
 # <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. Beside it
 # lie <name>.virtual.so, the same queue on virtual cores, for the checker and the simulator, and
 # <name>.counted.so, which counts its atomic operations; they are left out where the irt that was
-# found has none. It is the counterpart of irt_add_queue() for a
-# queue that lives outside the tree; <header> needs no change to move from one to the other.
+# found has none. It is the counterpart of irt_add_queue() for a queue that lives outside the tree;
+# <header> needs no change to move from one to the other.
 #
-# SOURCES are further files of the queue, in C++ or C. Both objects are compiled as the queues of the tree are, with -O2 and assertions, whatever the build type:
-# figures compare.
+# SOURCES are further files of the queue, in C++ or C. All objects are compiled as the queues of the
+# tree are, with -O2 and assertions, whatever the build type: figures compare.
 function(irt_add_plugin name header class)
   cmake_parse_arguments(PARSE_ARGV 3 ARG "" "" "LINK;SOURCES")
   if(NOT name MATCHES "^[a-z][a-z0-9]*(-[a-z0-9]+)*$")
@@ -41,7 +41,7 @@ function(irt_add_plugin name header class)
     if(TARGET irt_counting)
       set(counted irt_counted_plugin_${name})
       add_library(${counted} MODULE $<TARGET_OBJECTS:irt_virtual_plugin_${name}_objects>)
-      get_target_property(exports irt_counting IRT_EXPORTS)
+      get_target_property(exports irt_virtual_plugin_${name} IRT_EXPORTS)
       set_target_properties(${counted} PROPERTIES PREFIX "" OUTPUT_NAME ${name}.counted
         LINKER_LANGUAGE CXX)
       target_link_options(${counted} PRIVATE -Wl,--version-script=${exports})

@@ -21,7 +21,7 @@ if(irt_runtime AND IRT_OBJCOPY AND NOT TARGET irt_virtual_cores)
   if(EXISTS ${irt_folder}/libirt_counting.so)
     add_library(irt_counting SHARED IMPORTED GLOBAL)
     set_target_properties(irt_counting PROPERTIES
-      IMPORTED_LOCATION ${irt_folder}/libirt_counting.so IRT_EXPORTS ${irt_folder}/exports.map)
+      IMPORTED_LOCATION ${irt_folder}/libirt_counting.so)
   endif()
   # GCC loads only plug-ins that were built for it.
   if(EXISTS ${irt_folder}/irt_announcer.so AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

@@ -39,7 +39,7 @@ endfunction()
 #
 # Compiles the sources for virtual cores into the shared object OUTPUT, by default
 # ${CMAKE_CURRENT_BINARY_DIR}/NAME.so; the target is NAME, its property IRT_MODULE_FILE the path.
-# Only what is named irt_* with C linkage is exported.
+# Only what is named irt_* with C linkage is exported, by the linker's script IRT_EXPORTS.
 function(irt_virtual_module name)
   cmake_parse_arguments(ARG "UNANNOUNCED" "OUTPUT" "SOURCES;LINK;OPTIONS" ${ARGN})
   add_library(${name}_objects OBJECT EXCLUDE_FROM_ALL ${ARG_SOURCES})
@@ -86,5 +86,5 @@ function(irt_virtual_module name)
             irt_virtual_library
     COMMAND_EXPAND_LISTS VERBATIM)
   add_custom_target(${name} DEPENDS ${file})
-  set_target_properties(${name} PROPERTIES IRT_MODULE_FILE ${file})
+  set_target_properties(${name} PROPERTIES IRT_MODULE_FILE ${file} IRT_EXPORTS ${exports})
 endfunction()
