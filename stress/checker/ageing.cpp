@@ -23,15 +23,15 @@ constexpr std::uint64_t longest_call = 10'000'000;
 }  // namespace
 
 void Execution::begin_aged() {
-  AgedMemory& memory = *scenario_.aged;
-  if (memory.what != scenario_.aged_what || memory.age > scenario_.age)
-    memory = {.what = scenario_.aged_what};
+  AgedMemory& memory = *program_.aged;
+  if (memory.what != program_.aged_what || memory.age > program_.age)
+    memory = {.what = program_.aged_what};
   if (memory.age != 0) {
     heap_.restore(memory.heap);
-    if (scenario_.module != nullptr) scenario_.module->restore(memory.globals);
+    if (program_.module != nullptr) program_.module->restore(memory.globals);
   }
-  if (memory.age == scenario_.age) return;
-  if (scenario_.module != nullptr && !scenario_.module->unseen_calls().empty()) {
+  if (memory.age == program_.age) return;
+  if (program_.module != nullptr && !program_.module->unseen_calls().empty()) {
     // It may keep something elsewhere, which no copy of this memory puts back.
     incomplete_ = "a queue that calls compiled code is not aged";
     outcome_ = Outcome::cut;
@@ -40,13 +40,13 @@ void Execution::begin_aged() {
   phase_ = Phase::ageing;
   std::uint64_t n = memory.age;
   const std::function<void()> work = [this, &n] {
-    for (; n < scenario_.age; ++n) {
+    for (; n < program_.age; ++n) {
       if (n % 16 == 0 && deadline_.passed()) {
         out_of_time_ = true;
         return;
       }
       walk_ = 0;
-      scenario_.grow_older(n);
+      program_.grow_older(n);
       if (n % 256 == 0 && heap_.blocks().size() > most_blocks)
         give_up(
             fmt::format("a queue whose memory grows with every push is not aged further than "
@@ -65,7 +65,7 @@ void Execution::begin_aged() {
   memory.age = n;
   heap_.settle();
   memory.heap = heap_.image();
-  if (scenario_.module != nullptr) memory.globals = scenario_.module->image();
+  if (program_.module != nullptr) memory.globals = program_.module->image();
 }
 
 void Execution::note_unwatched() {

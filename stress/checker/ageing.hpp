@@ -13,8 +13,8 @@ namespace irt::checker {
 /// What ageing has left in memory. Ages of one thing are reached from each other, upwards.
 struct AgedMemory {
   std::string what;       ///< was aged: memory of something else is of no use
-  std::uint64_t age = 0;  ///< calls of Scenario::grow_older so far
-  void* made = nullptr;   ///< by the first of them, for the scenario
+  std::uint64_t age = 0;  ///< calls of Program::grow_older so far
+  void* made = nullptr;   ///< by the first of them, for the program
   Heap::Image heap{};
   std::vector<char> globals{};
 };

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "stress/checker/depth_first.hpp"
+#include "stress/checker/dpor.hpp"
 #include "stress/checker/exchange.hpp"
-#include "stress/checker/exhaustive.hpp"
 #include "stress/checker/random.hpp"
 
 namespace irt::checker {
@@ -17,7 +17,7 @@ std::unique_ptr<Strategy> make_strategy(const Options& options, unsigned budget,
                                         std::vector<unsigned> roles) {
   switch (options.search) {
     case Search::exhaustive:
-      return std::make_unique<Exhaustive>(options.shard, options.shards, std::move(roles));
+      return std::make_unique<Dpor>(options.shard, options.shards, std::move(roles));
     case Search::bounded:
       return std::make_unique<DepthFirst>(budget);
     case Search::random:
@@ -48,10 +48,10 @@ std::string trace_of(const Execution& execution) {
 
 /// Whether the same choices lead to the same execution, in a few samples; none if there was no time
 /// for that by `deadline`, and why, if anything but the deadline is to blame, is in `result`.
-std::optional<bool> repeats(const Scenario& scenario, const Options& options, Deadline deadline,
+std::optional<bool> repeats(const Program& program, const Options& options, Deadline deadline,
                             Result& result) {
   const auto trace = [&](std::uint64_t seed) -> std::optional<std::string> {
-    Execution execution(scenario, options.limits);
+    Execution execution(program, options.limits);
     execution.orders().weaken(options.weakened);
     execution.until(deadline);
     for (;;) {
@@ -87,18 +87,18 @@ void call_different(Result& result) {
 /// Whether what else is asked for allows to exchange equal threads: whether an allocation fails, or
 /// gets old memory, does not depend on its thread alone, and neither does what is read in a race;
 /// and executions that end in what is known are not looked at further.
-bool may_exchange(const Scenario& scenario, const Options& options) {
+bool may_exchange(const Program& program, const Options& options) {
   const Limits& limits = options.limits;
   return options.symmetry && options.search == Search::exhaustive && limits.races &&
          !limits.reuse_memory && limits.failing_allocations == 0 && options.known.empty() &&
-         (!scenario.judge || scenario.outcome);
+         (!program.judge || program.outcome);
 }
 
 /// One search, from its first execution to its last.
 class Exploration {
  public:
-  Exploration(const Scenario& scenario, const Options& options, Execution& execution)
-      : scenario_(scenario), options_(options), execution_(execution) {}
+  Exploration(const Program& program, const Options& options, Execution& execution)
+      : program_(program), options_(options), execution_(execution) {}
 
   Result run() {
     const unsigned last_budget = options_.search == Search::bounded ? options_.budget : 0;
@@ -132,8 +132,8 @@ class Exploration {
 
   void begin_anew() {
     exchange_.reset();
-    if (may_exchange(scenario_, options_) && result_.uneven.empty())
-      exchange_.emplace(scenario_, execution_);
+    if (may_exchange(program_, options_) && result_.uneven.empty())
+      exchange_.emplace(program_, execution_);
     if (exchange_ && exchange_->roles().empty()) exchange_.reset();
     strategy_ =
         make_strategy(options_, budget_, exchange_ ? exchange_->roles() : std::vector<unsigned>{});
@@ -202,7 +202,7 @@ class Exploration {
     return Outcome::restart;
   }
 
-  const Scenario& scenario_;
+  const Program& program_;
   const Options& options_;
   Execution& execution_;
   Stopwatch::time_point start_ = Stopwatch::now();
@@ -216,27 +216,27 @@ class Exploration {
 
 }  // namespace
 
-Result check(const Scenario& scenario, const Options& options) {
+Result check(const Program& program, const Options& options) {
   const bool systematic = options.search == Search::exhaustive || options.search == Search::bounded;
   const Deadline deadline(options.seconds);
   Result result;
   if (systematic) {
-    const auto same = repeats(scenario, options, deadline, result);
+    const auto same = repeats(program, options, deadline, result);
     if (same && !*same) call_different(result);
     if (!same || !*same) return result;
   }
   {
-    Execution execution(scenario, options.limits);
+    Execution execution(program, options.limits);
     execution.orders().weaken(options.weakened);
     execution.know(options.known);
     execution.until(deadline);
     if (options.watch_orders) execution.orders().watch();
-    result = Exploration(scenario, options, execution).run();
+    result = Exploration(program, options, execution).run();
     result.order_sites = execution.orders().sites();
     result.allocates = execution.allocates();
   }
-  if (scenario.histories) result.histories = scenario.histories();
-  confirm(scenario, options, result);
+  if (program.histories) result.histories = program.histories();
+  confirm(program, options, result);
   return result;
 }
 
@@ -250,17 +250,17 @@ void add_counts(Result& sum, const Result& part) {
   sum.differs = sum.differs || part.differs;
 }
 
-void confirm(const Scenario& scenario, const Options& options, Result& result) {
+void confirm(const Program& program, const Options& options, Result& result) {
   if (!result.finding) return;
-  const auto again = repeat(scenario, options, result.schedule);
+  const auto again = repeat(program, options, result.schedule);
   if (again != nullptr && again->finding()->kind == result.finding->kind) return;
   result.finding.reset();
   call_different(result);
 }
 
-std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& options,
+std::unique_ptr<Execution> repeat(const Program& program, const Options& options,
                                   const Schedule& schedule) {
-  auto execution = std::make_unique<Execution>(scenario, options.limits);
+  auto execution = std::make_unique<Execution>(program, options.limits);
   execution->orders().weaken(options.weakened);
   execution->know(options.known);
   for (;;) {
@@ -273,14 +273,14 @@ std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& optio
   }
 }
 
-Result simplest(const Scenario& scenario, const Options& options, const Result& result) {
+Result simplest(const Program& program, const Options& options, const Result& result) {
   Options search = options;
   search.search = Search::bounded;
   search.budget = 3;
   search.seconds = 2;
   search.shards = 1;
   search.each = nullptr;
-  Result simple = check(scenario, search);
+  Result simple = check(program, search);
   const bool same = simple.finding && simple.finding->kind == result.finding->kind;
   return same ? simple : result;
 }

@@ -1,7 +1,7 @@
-/// The checker: explores what a scenario can do, and answers with a count or a counterexample.
+/// The checker: explores what a program can do, and answers with a count or a counterexample.
 ///
-///     checker::Scenario scenario{.threads = {...}, .module = &module};
-///     checker::Result result = checker::check(scenario, {});
+///     checker::Program program{.threads = {...}, .module = &module};
+///     checker::Result result = checker::check(program, {});
 ///     if (result.finding) ...
 #pragma once
 
@@ -19,7 +19,7 @@
 namespace irt::checker {
 
 enum class Search : std::uint8_t {
-  exhaustive,  ///< every graph: see exhaustive.hpp
+  exhaustive,  ///< every graph: see dpor.hpp
   bounded,     ///< depth-first, budgets 0, 1, ..., `Options::budget`
   random,
   pct,
@@ -73,7 +73,7 @@ struct Result {
   std::optional<Finding> finding;
   Schedule schedule{};  ///< of the execution that found it
   std::vector<OrderSite> order_sites{};
-  std::vector<std::uint64_t> histories{};  ///< see Scenario
+  std::vector<std::uint64_t> histories{};  ///< see Program
   std::uint64_t executions = 0;            ///< of any outcome
   std::uint64_t complete = 0;              ///< ran to their end
   std::uint64_t blocked = 0;               ///< stopped at a wait that another execution ends
@@ -98,21 +98,21 @@ struct Result {
   double explored = 0;
 };
 
-Result check(const Scenario& scenario, const Options& options);
+Result check(const Program& program, const Options& options);
 
 /// Adds to `sum` what was made and seen in another part of the same search.
 void add_counts(Result& sum, const Result& part);
 
 /// Takes back the finding of `result` if it does not come again when it is repeated.
-void confirm(const Scenario& scenario, const Options& options, Result& result);
+void confirm(const Program& program, const Options& options, Result& result);
 
 /// Repeats the execution that found something; null if it does not come out as before. The caller
 /// may look at it until the next one.
-std::unique_ptr<Execution> repeat(const Scenario& scenario, const Options& options,
+std::unique_ptr<Execution> repeat(const Program& program, const Options& options,
                                   const Schedule& schedule);
 
 /// An execution with the same kind of finding and as few deviations as a short search finds, or the
 /// result itself.
-Result simplest(const Scenario& scenario, const Options& options, const Result& result);
+Result simplest(const Program& program, const Options& options, const Result& result);
 
 }  // namespace irt::checker

@@ -47,7 +47,7 @@ std::vector<std::uint32_t> users(const Execution& execution) {
 
 class Columns {
  public:
-  Columns(const Execution& execution, const std::vector<Operation>& operations, Symbols& symbols)
+  Columns(const Execution& execution, const std::vector<QueueCall>& operations, Symbols& symbols)
       : execution_(execution),
         graph_(execution.graph()),
         operations_(operations),
@@ -104,18 +104,18 @@ class Columns {
 
   // Steps are counted as the execution does: events of the threads, in order.
   void begin_calls(unsigned thread) {
-    for (const Operation& o : operations_)
-      if (o.phase == Operation::Phase::during && o.thread == thread && o.first_step <= step_ &&
+    for (const QueueCall& o : operations_)
+      if (o.phase == QueueCall::Phase::during && o.thread == thread && o.first_step <= step_ &&
           begun_.insert(&o).second)
-        line(thread, o.kind == Operation::Kind::push ? fmt::format("push {}", o.value) : "pop");
+        line(thread, o.kind == QueueCall::Kind::push ? fmt::format("push {}", o.value) : "pop");
   }
 
   void end_calls(unsigned thread) {
-    for (const Operation& o : operations_) {
-      if (o.phase != Operation::Phase::during || o.thread != thread || !o.finished ||
+    for (const QueueCall& o : operations_) {
+      if (o.phase != QueueCall::Phase::during || o.thread != thread || !o.finished ||
           !begun_.contains(&o) || o.last_step != step_)
         continue;
-      const bool push = o.kind == Operation::Kind::push;
+      const bool push = o.kind == QueueCall::Kind::push;
       line(thread, "  -> " + (o.no_memory  ? "no memory"
                               : o.closed   ? "closed"
                               : o.answered ? push ? "done" : std::to_string(o.value)
@@ -129,7 +129,7 @@ class Columns {
     }
   }
 
-  // What the scenario did itself before `event`, which has no line in the code.
+  // What the program did itself before `event`, which has no line in the code.
   void show_payloads(const Event& event) {
     if (!execution_.finding()) return;
     const std::vector<Moment>& moments = execution_.finding()->moments;
@@ -275,7 +275,7 @@ class Columns {
 
   const Execution& execution_;
   const Graph& graph_;
-  const std::vector<Operation>& operations_;
+  const std::vector<QueueCall>& operations_;
   Symbols& symbols_;
   Values values_;
   unsigned threads_;
@@ -286,12 +286,12 @@ class Columns {
   std::vector<Row> rows_;
   std::string last_;
   std::size_t step_ = 0;
-  std::set<const Operation*> begun_;
+  std::set<const QueueCall*> begun_;
 };
 
 }  // namespace
 
-std::string columns(const Execution& execution, const std::vector<Operation>& operations,
+std::string columns(const Execution& execution, const std::vector<QueueCall>& operations,
                     Symbols& symbols) {
   return Columns(execution, operations, symbols).draw();
 }

@@ -6,7 +6,7 @@
 /// free. With budgets 0, 1, 2, ... the first counterexample found has the fewest deviations.
 ///
 /// No reduction: equivalent orders are explored each on their own. To complete a search, use
-/// Exhaustive; this strategy is its judge in tests, and finds shallow bugs in large programs.
+/// Dpor; this strategy is its judge in tests, and finds shallow bugs in large programs.
 #pragma once
 
 #include <cstdint>

@@ -143,10 +143,10 @@ bool Bijection::look_at_first(Execution& execution) {
 
 // --- Executions made once more ----------------------------------------------------------------
 
-Exchange::Exchange(const Scenario& scenario, Execution& execution)
-    : scenario_(scenario), execution_(execution), diary_(execution.threads() + 1) {
+Exchange::Exchange(const Program& program, Execution& execution)
+    : program_(program), execution_(execution), diary_(execution.threads() + 1) {
   constexpr std::size_t most = 24;
-  roles_ = limited(scenario.roles, most);
+  roles_ = limited(program.roles, most);
   for (std::vector<unsigned>& target : all_exchanges(roles_)) exchanges_.emplace_back(target);
   execution.keep(&diary_);
 }
@@ -225,8 +225,8 @@ bool Exchange::is_new(Outcome outcome) {
   bool fresh = false;
   for (unsigned thread = 0; thread <= execution_.main_thread(); ++thread)
     fresh = histories_.insert(history_of(thread)).second || fresh;
-  if (outcome == Outcome::complete && scenario_.outcome)
-    fresh = outcomes_.insert(scenario_.outcome()).second || fresh;
+  if (outcome == Outcome::complete && program_.outcome)
+    fresh = outcomes_.insert(program_.outcome()).second || fresh;
   return fresh;
 }
 

@@ -92,12 +92,12 @@ class Exchange {
  public:
   enum class Answer : std::uint8_t { holds, fails, found, restart };
 
-  Exchange(const Scenario& scenario, Execution& execution);
+  Exchange(const Program& program, Execution& execution);
   ~Exchange();
   Exchange(const Exchange&) = delete;
   Exchange& operator=(const Exchange&) = delete;
 
-  /// Those of the scenario, as far as their exchanges are few enough to be tried; empty: none.
+  /// Those of the program, as far as their exchanges are few enough to be tried; empty: none.
   [[nodiscard]] const std::vector<unsigned>& roles() const { return roles_; }
 
   /// Asked after each execution of the search that ended with `outcome`. `found`: the execution,
@@ -143,7 +143,7 @@ class Exchange {
   bool agree(Bijection& exchange, unsigned thread, const Made& a, const Made& b) const;
   Answer fail(std::string why);
 
-  const Scenario& scenario_;
+  const Program& program_;
   Execution& execution_;
   Diary diary_;
   std::vector<unsigned> roles_;

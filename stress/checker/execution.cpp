@@ -23,10 +23,10 @@ void arm(virtual_cores::Cores& cores, unsigned core, const std::function<void()>
 
 Execution* Execution::running = nullptr;
 
-Execution::Execution(const Scenario& scenario, const Limits& limits)
-    : scenario_(scenario),
+Execution::Execution(const Program& program, const Limits& limits)
+    : program_(program),
       limits_(limits),
-      main_(static_cast<unsigned>(scenario.threads.size())),
+      main_(static_cast<unsigned>(program.threads.size())),
       cores_(*this, main_ + 1, stack_of_a_thread),
       graph_(main_ + 1),
       heap_(main_ + 1),
@@ -53,19 +53,19 @@ Outcome Execution::run(Strategy& strategy) {
     state = ThreadState{};
     state.visits = std::move(visits);
   }
-  if (scenario_.module != nullptr) scenario_.module->reset_globals();
+  if (program_.module != nullptr) program_.module->reset_globals();
 
-  if (scenario_.age != 0) begin_aged();
-  if (outcome_ == Outcome::complete && scenario_.prepare) {
+  if (program_.age != 0) begin_aged();
+  if (outcome_ == Outcome::complete && program_.prepare) {
     phase_ = Phase::prepare;
-    run_main(scenario_.prepare);
+    run_main(program_.prepare);
   }
   if (outcome_ == Outcome::complete) {
     phase_ = Phase::parallel;
     graph_.tick(main_);
     for (unsigned thread = 0; thread < main_; ++thread) {
       graph_.order(main_, thread);
-      arm(cores_, thread, scenario_.threads[thread]);
+      arm(cores_, thread, program_.threads[thread]);
     }
     const unsigned first = strategy.choose_thread(*this, runnable(), host);
     if (first == host)
@@ -80,23 +80,23 @@ Outcome Execution::run(Strategy& strategy) {
       graph_.tick(thread);
       graph_.order(thread, main_);
     }
-    if (scenario_.finish) {
+    if (program_.finish) {
       phase_ = Phase::finish;
       walk_ = 0;
-      run_main(scenario_.finish);
+      run_main(program_.finish);
     }
   }
   phase_ = Phase::idle;
-  if (outcome_ == Outcome::complete && scenario_.judge) {
-    if (auto wrong = scenario_.judge(*this)) {
+  if (outcome_ == Outcome::complete && program_.judge) {
+    if (auto wrong = program_.judge(*this)) {
       finding_ = Finding{FindingKind::wrong_outcome, std::move(*wrong), {}};
       outcome_ = Outcome::found;
     }
   }
-  if (outcome_ == Outcome::complete && limits_.leaks && !frozen_ && scenario_.finish) {
+  if (outcome_ == Outcome::complete && limits_.leaks && !frozen_ && program_.finish) {
     std::vector<virtual_cores::Range> roots = virtual_cores::thread_locals_of(main_);
-    if (scenario_.module != nullptr) {
-      const auto& globals = scenario_.module->globals();
+    if (program_.module != nullptr) {
+      const auto& globals = program_.module->globals();
       roots.insert(roots.end(), globals.begin(), globals.end());
     }
     if (const Block* lost = first_lost(heap_, roots)) {
@@ -122,7 +122,7 @@ bool Execution::is_stack(std::uintptr_t address) const {
 }
 
 bool Execution::is_global(std::uintptr_t address) const {
-  return scenario_.module != nullptr && scenario_.module->owns_global(address);
+  return program_.module != nullptr && program_.module->owns_global(address);
 }
 
 void Execution::run_main(const std::function<void()>& work) {

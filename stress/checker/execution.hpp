@@ -26,10 +26,10 @@ namespace irt::checker {
 /// A small concurrent program. The functions call into instrumented code; what they do themselves
 /// is not seen, so they must be the same in every execution and keep nothing on their stacks that
 /// needs destruction.
-struct Scenario {
+struct Program {
   std::vector<std::function<void()>> threads;
   /// So many calls of `grow_older`, numbered from 0, come before `prepare`: natively, and once for
-  /// all executions (see ageing.hpp). Scenarios with equal `aged_what` do the same there and may
+  /// all executions (see ageing.hpp). Programs with equal `aged_what` do the same there and may
   /// share what came of it.
   std::uint64_t age = 0;
   std::function<void(std::uint64_t)> grow_older;
@@ -42,7 +42,7 @@ struct Scenario {
   /// What tells the outcomes that the judge was asked about from each other, a number for each; may
   /// be empty.
   std::function<std::vector<std::uint64_t>()> histories{};
-  /// The number of the outcome that the judge was asked about last; equal threads of a scenario
+  /// The number of the outcome that the judge was asked about last; equal threads of a program
   /// with a judge are not exchanged without it.
   std::function<std::uint64_t()> outcome{};
   virtual_cores::Module* module = nullptr;  ///< its globals start afresh each time
@@ -83,8 +83,8 @@ class Execution final : public virtual_cores::Tenant {
   /// After so many accesses without an event it is asked whether they ever end.
   static constexpr std::uint64_t long_walk = 1'000'000;
 
-  /// Threads of the scenario are numbered from 0; the one that prepares and finishes comes last.
-  Execution(const Scenario& scenario, const Limits& limits);
+  /// Threads of the program are numbered from 0; the one that prepares and finishes comes last.
+  Execution(const Program& program, const Limits& limits);
 
   Outcome run(Strategy& strategy);
 
@@ -132,13 +132,13 @@ class Execution final : public virtual_cores::Tenant {
   [[nodiscard]] const Clock& clock_of(unsigned thread) const { return graph_.thread(thread).now; }
   /// The execution in progress; null outside of `run`.
   static Execution* current_execution() { return running; }
-  /// For scenarios: lets those that await it go on; what came before happens before what they do.
+  /// For programs: lets those that await it go on; what came before happens before what they do.
   void signal();
   void await_signal();
-  /// For scenarios: waits until `threads` threads have come here as often as this one; what each
+  /// For programs: waits until `threads` threads have come here as often as this one; what each
   /// did before happens before what any does afterwards. While the threads run only.
   void meet(unsigned threads);
-  /// For scenarios: the time on a clock that all threads read in one order, and that makes nothing
+  /// For programs: the time on a clock that all threads read in one order, and that makes nothing
   /// they did before visible to the others. From 1 on; 0 before and after the threads.
   std::uint64_t tick();
   /// Allocations of `thread` that have failed by choice.
@@ -151,7 +151,7 @@ class Execution final : public virtual_cores::Tenant {
   }
   /// Whether threads have allocated memory in any execution so far.
   [[nodiscard]] bool allocates() const { return allocates_; }
-  /// The thread in progress. Valid while the scenario's functions run.
+  /// The thread in progress. Valid while the program's functions run.
   [[nodiscard]] unsigned current() const { return cores_.current(); }
   /// Stops `thread` for good before event number `events` (from 0) of its own, in runs to come.
   void freeze(unsigned thread, std::size_t events) { frozen_ = {{thread, events}}; }
@@ -165,7 +165,7 @@ class Execution final : public virtual_cores::Tenant {
   }
   /// Executions that end in one of these are passed over from now on, races among them are no end.
   void know(std::vector<Finding> findings) { known_ = std::move(findings); }
-  /// For scenarios as well: why nothing in this execution, or after it, can be a proof.
+  /// For programs as well: why nothing in this execution, or after it, can be a proof.
   [[noreturn]] void give_up(std::string why);
   [[noreturn]] void report(FindingKind kind, std::string text, std::vector<const void*> places,
                            std::vector<Moment> moments = {});
@@ -350,7 +350,7 @@ class Execution final : public virtual_cores::Tenant {
   }
 
   static Execution* running;
-  const Scenario& scenario_;
+  const Program& program_;
   Limits limits_;
   unsigned main_;
   virtual_cores::Cores cores_;

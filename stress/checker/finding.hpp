@@ -20,7 +20,7 @@ enum class FindingKind : std::uint8_t {
   livelock,
   blocked_by_stalled_thread,
   failure,         ///< a failed assertion, an exception, abort()
-  wrong_outcome,   ///< the scenario's judge says so
+  wrong_outcome,   ///< the program's judge says so
   schedule_stale,  ///< a replayed schedule does not fit the program
 };
 

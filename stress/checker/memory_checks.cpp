@@ -203,7 +203,7 @@ void Execution::release(void* pointer, const void* pc) {
   const auto address = reinterpret_cast<std::uintptr_t>(pointer);
   if (!heap_.owns(address)) {
     // What was allocated when the code was loaded is there again in the next execution.
-    if (scenario_.module != nullptr && scenario_.module->owns_global(address)) return;
+    if (program_.module != nullptr && program_.module->owns_global(address)) return;
     return Tenant::release(pointer, pc);
   }
   if (phase_ == Phase::endless) conclude_alone(false, pc);

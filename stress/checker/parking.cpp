@@ -14,22 +14,22 @@ namespace {
 /// What a thread alone finds when it pops from an empty queue, closed before or not.
 std::optional<FindingKind> found_alone(const QueueEntry& entry, virtual_cores::Module& module,
                                        bool closes) {
-  Scenario scenario;
-  scenario.module = &module;
-  scenario.prepare = [&entry, closes] {
+  Program program;
+  program.module = &module;
+  program.prepare = [&entry, closes] {
     AnyWorkQueue<std::uint64_t>* queue = entry.make_word_queue(1, 1).release();
     if (closes) queue->push(0, stress::close_word);
     std::uint64_t value = 0;
     queue->pop(0, value);
     delete queue;
   };
-  scenario.threads.emplace_back([] {});
+  program.threads.emplace_back([] {});
   Options options;
   options.seconds = 2;     // who waits is known for that much sooner
   options.executions = 8;  // more than one where the checker learns something and begins anew
   options.limits.races = false;
   options.limits.leaks = false;
-  const Result result = check(scenario, options);
+  const Result result = check(program, options);
   return result.finding ? std::optional(result.finding->kind) : std::nullopt;
 }
 

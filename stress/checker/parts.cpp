@@ -62,7 +62,7 @@ class SharedMemory {
 
 /// What a child does: its part of the search. The first byte sent says whether a result or an
 /// error follows.
-std::string work(const Scenario& scenario, Options options, Shared& shared) {
+std::string work(const Program& program, Options options, Shared& shared) {
   Told& told = shared.parts[options.shard];
   options.stops = [&, part = options.shard, parts = options.shards](std::uint64_t made) {
     told.made.store(made, std::memory_order_relaxed);
@@ -73,7 +73,7 @@ std::string work(const Scenario& scenario, Options options, Shared& shared) {
     told.explored.store(now.explored, std::memory_order_relaxed);
   };
   try {
-    const Result result = check(scenario, options);
+    const Result result = check(program, options);
     if (result.finding || !result.uneven.empty()) {
       const std::uint64_t mine = told.made * options.shards + options.shard;
       std::uint64_t first = shared.first_finding;
@@ -96,10 +96,10 @@ struct Part {
 
 class Parts {
  public:
-  Parts(const Scenario& scenario, const Options& options, unsigned count) : options_(options) {
+  Parts(const Program& program, const Options& options, unsigned count) : options_(options) {
     for (unsigned part = 0; part < count; ++part)
       parts_.push_back({.child = Child([&](int line) {
-                          say(line, work(scenario, options_of(part, count), *shared_.operator->()));
+                          say(line, work(program, options_of(part, count), *shared_.operator->()));
                         })});
   }
 
@@ -240,15 +240,15 @@ unsigned processors() {
   return static_cast<unsigned>(std::max(CPU_COUNT(&mine), 1));
 }
 
-Result check_in_parts(const Scenario& scenario, const Options& options, unsigned jobs) {
+Result check_in_parts(const Program& program, const Options& options, unsigned jobs) {
   jobs = std::min<unsigned>(jobs, CPU_SETSIZE);
   if (jobs <= 1 || options.shards > 1 || options.each || options.search == Search::bounded ||
       options.seconds <= alone_seconds)
-    return check(scenario, options);
+    return check(program, options);
   Options little = options;
   little.executions = std::min(options.executions, alone_first);
   little.seconds = alone_seconds;
-  Result result = check(scenario, little);
+  Result result = check(program, little);
   if (result.finding || result.finished || result.executions >= options.executions) return result;
   double spent = result.seconds;
   std::string uneven = std::move(result.uneven);
@@ -256,13 +256,13 @@ Result check_in_parts(const Scenario& scenario, const Options& options, unsigned
     Options rest = options;
     rest.seconds -= spent;
     rest.symmetry = rest.symmetry && uneven.empty();
-    result = Parts(scenario, rest, jobs).results();
+    result = Parts(program, rest, jobs).results();
     spent = result.seconds += spent;
     if (result.uneven.empty()) break;
     uneven = std::move(result.uneven);
   }
   result.uneven = std::move(uneven);
-  confirm(scenario, options, result);
+  confirm(program, options, result);
   return result;
 }
 

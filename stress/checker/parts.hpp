@@ -16,6 +16,6 @@ unsigned processors();
 /// divided: all searches but the bounded one, when `options` take no part of the work already and
 /// have no `each`. What a whole exhaustive search counts as complete, blocked and cut does not
 /// depend on `jobs`. Throws std::runtime_error if a part crashes or does not come back.
-Result check_in_parts(const Scenario& scenario, const Options& options, unsigned jobs);
+Result check_in_parts(const Program& program, const Options& options, unsigned jobs);
 
 }  // namespace irt::checker

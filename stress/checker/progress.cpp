@@ -20,12 +20,12 @@ class Calm final : public RandomBase {
 
 }  // namespace
 
-ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
+ProgressResult check_progress(const Program& program, const Limits& limits, std::uint64_t seed,
                               unsigned schedules, double seconds,
                               const std::function<void(const Execution&)>& look) {
   ProgressResult result;
   const Deadline deadline(seconds);
-  Execution execution(scenario, limits);
+  Execution execution(program, limits);
   execution.until(deadline);
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {
     bool reached = true;

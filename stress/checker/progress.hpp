@@ -24,7 +24,7 @@ struct ProgressResult {
 
 /// Stops each thread before each of its steps, with `schedules` random schedules for each, until
 /// `seconds` are over. `look` gets the execution with the finding, if there is one.
-ProgressResult check_progress(const Scenario& scenario, const Limits& limits, std::uint64_t seed,
+ProgressResult check_progress(const Program& program, const Limits& limits, std::uint64_t seed,
                               unsigned schedules, double seconds,
                               const std::function<void(const Execution&)>& look = {});
 

@@ -11,16 +11,15 @@ void QueueClient::age(std::uint64_t pairs, std::shared_ptr<AgedMemory> memory) {
   constexpr std::size_t enough = 64;
   for (std::uint64_t word = 1; word < 100'000 && ageing_words_.size() < enough; ++word)
     if (entry_.claims.allows(word)) ageing_words_.push_back(word);
-  scenario_.age = ageing_words_.empty() ? 0 : pairs;
-  scenario_.aged_what =
-      fmt::format("{} for {} threads and {} elements, {} pushing, {} popping", entry_.name,
-                  shape_.threads.size(), capacity_, pusher_, popper_);
-  scenario_.aged = memory != nullptr ? std::move(memory) : std::make_shared<AgedMemory>();
-  scenario_.grow_older = [this](std::uint64_t n) {
+  program_.age = ageing_words_.empty() ? 0 : pairs;
+  program_.aged_what = fmt::format("{} for {} threads and {} elements, {} pushing, {} popping",
+                                   entry_.name, shape_.threads.size(), capacity_, pusher_, popper_);
+  program_.aged = memory != nullptr ? std::move(memory) : std::make_shared<AgedMemory>();
+  program_.grow_older = [this](std::uint64_t n) {
     if (n == 0)
-      scenario_.aged->made =
+      program_.aged->made =
           entry_.make_word_queue(static_cast<unsigned>(shape_.threads.size()), capacity_).release();
-    queue_ = static_cast<AnyWorkQueue<std::uint64_t>*>(scenario_.aged->made);
+    queue_ = static_cast<AnyWorkQueue<std::uint64_t>*>(program_.aged->made);
     make_pair(n);
   };
 }
@@ -35,22 +34,22 @@ void QueueClient::make_pair(std::uint64_t n) {
   // everything that is left inside.
   const auto main = static_cast<unsigned>(shape_.threads.size());
   operations_.clear();
-  const auto note = [&](Operation::Kind kind, bool returned, std::uint64_t value) {
+  const auto note = [&](QueueCall::Kind kind, bool returned, std::uint64_t value) {
     operations_.push_back({.kind = kind,
                            .thread = main,
-                           .worker = kind == Operation::Kind::push ? pusher_ : popper_,
+                           .worker = kind == QueueCall::Kind::push ? pusher_ : popper_,
                            .number = operations_.size(),
-                           .phase = Operation::Phase::before,
+                           .phase = QueueCall::Phase::before,
                            .answered = returned,
                            .finished = true,
                            .value = value});
   };
-  note(Operation::Kind::push, pushed, word);
-  note(Operation::Kind::pop, answered, popped);
+  note(QueueCall::Kind::push, pushed, word);
+  note(QueueCall::Kind::pop, answered, popped);
   for (bool more = true; more && operations_.size() < 60;) {
     popped = 0;
     more = queue_->pop(popper_, popped);
-    note(Operation::Kind::pop, more, popped);
+    note(QueueCall::Kind::pop, more, popped);
   }
   if (const auto opinion = judge(operations_, entry_.claims, capacity_); opinion.wrong)
     Execution::current_execution()->report(

@@ -441,7 +441,7 @@ std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
   Result result;
   result.schedule = parse_schedule(schedule);
   const Options options = as_seen(settings, module).options;
-  const auto execution = repeat(client.scenario(), options, result.schedule);
+  const auto execution = repeat(client.program(), options, result.schedule);
   if (execution == nullptr) return "";
   result.finding = execution->finding();
   Symbols symbols(module);

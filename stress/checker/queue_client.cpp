@@ -31,21 +31,21 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
                                 std::to_string(entry.claims.max_workers));
   cast_roles();
   age(shape_.age, std::move(aged));
-  scenario_.module = module;
-  scenario_.prepare = [this, count] {
+  program_.module = module;
+  program_.prepare = [this, count] {
     operations_.clear();
     closings_.clear();
-    phase_ = Operation::Phase::before;
+    phase_ = QueueCall::Phase::before;
     pushed_.assign(count + 1, 0);
-    queue_ = scenario_.age != 0 ? static_cast<AnyWorkQueue<std::uint64_t>*>(scenario_.aged->made)
-                                : entry_.make_word_queue(count, capacity_).release();
+    queue_ = program_.age != 0 ? static_cast<AnyWorkQueue<std::uint64_t>*>(program_.aged->made)
+                               : entry_.make_word_queue(count, capacity_).release();
     run_letters(shape_.prologue, count);
-    phase_ = Operation::Phase::during;
+    phase_ = QueueCall::Phase::during;
   };
   for (unsigned thread = 0; thread < count; ++thread)
-    scenario_.threads.emplace_back([this, thread] { run_letters(shape_.threads[thread], thread); });
-  scenario_.finish = [this, count] {
-    phase_ = Operation::Phase::after;
+    program_.threads.emplace_back([this, thread] { run_letters(shape_.threads[thread], thread); });
+  program_.finish = [this, count] {
+    phase_ = QueueCall::Phase::after;
     const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
     if (stopped && entry_.claims.pop == Progress::blocking) return;
     run_letters(shape_.epilogue, count);
@@ -54,11 +54,11 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     if (!stopped) delete queue_;
   };
   for (const std::string& word : shape_.threads)
-    scenario_.roles.push_back(static_cast<unsigned>(
+    program_.roles.push_back(static_cast<unsigned>(
         std::find(shape_.threads.begin(), shape_.threads.end(), word) - shape_.threads.begin()));
-  scenario_.outcome = [this] { return outcome_; };
-  scenario_.judge = [this](const Execution& execution) { return judge_history(execution); };
-  scenario_.histories = [this] {
+  program_.outcome = [this] { return outcome_; };
+  program_.judge = [this](const Execution& execution) { return judge_history(execution); };
+  program_.histories = [this] {
     std::vector<std::uint64_t> result;
     for (const auto& [key, fine] : judged_) result.push_back(std::hash<std::string>{}(key));
     return result;
@@ -101,7 +101,7 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
   // More than was pushed is wrong, and may have no end.
   const auto pushes = static_cast<std::size_t>(
       std::count_if(operations_.begin(), operations_.end(),
-                    [](const Operation& o) { return o.kind == Operation::Kind::push; }));
+                    [](const QueueCall& o) { return o.kind == QueueCall::Kind::push; }));
   std::size_t popped = 0;
   for (bool found = true; found;) {
     found = false;
@@ -166,7 +166,7 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread) {
 
 bool QueueClient::push(unsigned thread, unsigned worker) {
   const std::uint64_t value = next_value(thread);
-  const std::size_t number = call(Operation::Kind::push, thread, worker);
+  const std::size_t number = call(QueueCall::Kind::push, thread, worker);
   operations_[number].value = value;
   return finish(number, [&] { return queue_->push(worker, value); });
 }
@@ -184,7 +184,7 @@ std::uint64_t QueueClient::next_value(unsigned thread) {
 }
 
 bool QueueClient::pop(unsigned thread, unsigned worker) {
-  const std::size_t number = call(Operation::Kind::pop, thread, worker);
+  const std::size_t number = call(QueueCall::Kind::pop, thread, worker);
   std::uint64_t value = 0;
   const bool answered = finish(number, [&] { return queue_->pop(worker, value); });
   if (!answered) return false;
@@ -193,10 +193,10 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   return true;
 }
 
-void QueueClient::take_payload(const Operation& pop) const {
+void QueueClient::take_payload(const QueueCall& pop) const {
   const auto push =
-      std::find_if(operations_.rbegin(), operations_.rend(), [&pop](const Operation& o) {
-        return o.kind == Operation::Kind::push && o.value == pop.value;
+      std::find_if(operations_.rbegin(), operations_.rend(), [&pop](const QueueCall& o) {
+        return o.kind == QueueCall::Kind::push && o.value == pop.value;
       });
   if (push == operations_.rend()) return;
   const std::uint16_t called = push->called.count[push->thread];
@@ -204,7 +204,7 @@ void QueueClient::take_payload(const Operation& pop) const {
     report_unpublished(std::to_string(pop.value), push->thread, called);
 }
 
-std::size_t QueueClient::call(Operation::Kind kind, unsigned thread, unsigned worker) {
+std::size_t QueueClient::call(QueueCall::Kind kind, unsigned thread, unsigned worker) {
   Execution& execution = *Execution::current_execution();
   const std::size_t number = operations_.size();
   operations_.push_back({.kind = kind,
@@ -235,11 +235,11 @@ bool QueueClient::finish(std::size_t number, Work work) {
     thrown = true;
   }
   const std::uint64_t now = real_time_ ? execution.tick() : 0;
-  Operation& done = operations_[number];
+  QueueCall& done = operations_[number];
   done.answered = answered;
   done.finished = true;
   // Some libraries answer "full" for want of memory; a queue that is empty has no need to.
-  done.no_memory = thrown || (!answered && done.kind == Operation::Kind::push &&
+  done.no_memory = thrown || (!answered && done.kind == QueueCall::Kind::push &&
                               execution.failed_allocations(thread) != failed);
   done.returned_at = now;
   done.returned = static_cast<std::uint16_t>(execution.clock_of(thread).count[thread] + 1);
@@ -256,8 +256,8 @@ void QueueClient::work_until_over(unsigned thread, unsigned worker) {
       return;
     }
     // A task of the prologue has two children; they have none.
-    const bool root = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
-      return o.kind == Operation::Kind::push && o.phase == Operation::Phase::before &&
+    const bool root = std::any_of(operations_.begin(), operations_.end(), [&](const QueueCall& o) {
+      return o.kind == QueueCall::Kind::push && o.phase == QueueCall::Phase::before &&
              o.value == operations_[number].value;
     });
     for (int child = 0; root && child < 2; ++child) push(thread, worker);
@@ -268,15 +268,15 @@ std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
   const stress::Specification specification(entry_.claims, capacity_);
   if (!specification.pops_past_stopped()) return std::nullopt;
   if (entry_.claims.one_consumer() && popper_ == stopped) return std::nullopt;
-  for (const Operation& push : operations_) {
-    if (push.kind != Operation::Kind::push || !push.answered) continue;
+  for (const QueueCall& push : operations_) {
+    if (push.kind != QueueCall::Kind::push || !push.answered) continue;
     // Where each has a queue of its own, only the stopped one could take it.
     if (entry_.claims.own_queues() && push.worker == stopped) continue;
-    const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const Operation& o) {
-      return o.kind == Operation::Kind::pop && o.value == push.value && (o.answered || !o.finished);
+    const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const QueueCall& o) {
+      return o.kind == QueueCall::Kind::pop && o.value == push.value && (o.answered || !o.finished);
     });
-    const bool taken = std::any_of(operations_.begin(), operations_.end(), [](const Operation& o) {
-      return o.kind == Operation::Kind::pop && !o.finished;
+    const bool taken = std::any_of(operations_.begin(), operations_.end(), [](const QueueCall& o) {
+      return o.kind == QueueCall::Kind::pop && !o.finished;
     });
     if (!out && !taken)
       return "element " + std::to_string(push.value) +
@@ -287,22 +287,22 @@ std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
 
 std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
   if (const auto stopped = execution.stopped()) return judge_stalled(*stopped);
-  for (Operation& push : operations_)
-    push.closed = push.kind == Operation::Kind::push && !push.answered &&
+  for (QueueCall& push : operations_)
+    push.closed = push.kind == QueueCall::Kind::push && !push.answered &&
                   !std::all_of(closings_.begin(), closings_.end(),
-                               [&](const Operation& c) { return precedes(push, c); });
+                               [&](const QueueCall& c) { return precedes(push, c); });
   // Few histories differ in what matters: the answers and the order. Each is judged once.
-  std::vector<const Operation*> sorted;
-  for (const Operation& operation : operations_) sorted.push_back(&operation);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const Operation* a, const Operation* b) {
+  std::vector<const QueueCall*> sorted;
+  for (const QueueCall& operation : operations_) sorted.push_back(&operation);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const QueueCall* a, const QueueCall* b) {
     return a->phase != b->phase ? a->phase < b->phase : a->thread < b->thread;
   });
   std::string key;
-  for (const Operation* b : sorted) {
+  for (const QueueCall* b : sorted) {
     key += b->no_memory || b->closed ? 'm' : b->answered ? 'y' : 'n';
     key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
-    if (b->phase != Operation::Phase::during) continue;  // in the order in which they stand
-    for (const Operation* a : sorted)
+    if (b->phase != QueueCall::Phase::during) continue;  // in the order in which they stand
+    for (const QueueCall* a : sorted)
       if (a->phase == b->phase) key += precedes(*a, *b) ? '<' : ' ';
   }
   outcome_ = std::hash<std::string>{}(key);

@@ -18,7 +18,7 @@
 
 #include "queues/work_queue.hpp"
 #include "stress/checker/checker.hpp"
-#include "stress/checker/operations.hpp"
+#include "stress/checker/queue_calls.hpp"
 #include "stress/checker/shapes.hpp"
 #include "stress/scenarios/core.hpp"
 
@@ -26,7 +26,7 @@ namespace irt::checker {
 
 using stress::close_word;
 
-/// A shape over one queue. The functions of `scenario()` refer to this object.
+/// A shape over one queue. The functions of `program()` refer to this object.
 class QueueClient {
  public:
   /// `capacity` is used where the shape leaves it open; 0 makes it one element, or for a bounded
@@ -39,8 +39,8 @@ class QueueClient {
   QueueClient(const QueueClient&) = delete;
   QueueClient& operator=(const QueueClient&) = delete;
 
-  [[nodiscard]] const Scenario& scenario() const { return scenario_; }
-  [[nodiscard]] const std::vector<Operation>& operations() const { return operations_; }
+  [[nodiscard]] const Program& program() const { return program_; }
+  [[nodiscard]] const std::vector<QueueCall>& operations() const { return operations_; }
   [[nodiscard]] const Shape& shape() const { return shape_; }
 
  private:
@@ -51,8 +51,8 @@ class QueueClient {
   void work_until_over(unsigned thread, unsigned worker);
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
-  void take_payload(const Operation& pop) const;
-  std::size_t call(Operation::Kind kind, unsigned thread, unsigned worker);
+  void take_payload(const QueueCall& pop) const;
+  std::size_t call(QueueCall::Kind kind, unsigned thread, unsigned worker);
   template <class Work>
   bool finish(std::size_t number, Work work);
   void age(std::uint64_t pairs, std::shared_ptr<AgedMemory> memory);
@@ -64,11 +64,11 @@ class QueueClient {
   Shape shape_;
   std::size_t capacity_;
   bool real_time_;
-  Scenario scenario_;
+  Program program_;
   AnyWorkQueue<std::uint64_t>* queue_ = nullptr;
-  std::vector<Operation> operations_;
-  std::vector<Operation> closings_;  ///< calls that close the queue
-  Operation::Phase phase_ = Operation::Phase::before;
+  std::vector<QueueCall> operations_;
+  std::vector<QueueCall> closings_;  ///< calls that close the queue
+  QueueCall::Phase phase_ = QueueCall::Phase::before;
   std::vector<std::uint64_t> ageing_words_;
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far
   std::unordered_map<std::string, bool> judged_;

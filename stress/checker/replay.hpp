@@ -7,7 +7,7 @@
 /// A letter names the thread, a number how many steps it makes in a row, ' and a number what was
 /// chosen in the last of them where it was not the dullest: how far from the newest store it read
 /// or how far from the last place it stored; ? and a number which option it took. The text begins
-/// with `s:`, or with `g:` if threads that wait stay where they are (see exhaustive.hpp).
+/// with `s:`, or with `g:` if threads that wait stay where they are (see dpor.hpp).
 #pragma once
 
 #include <string>

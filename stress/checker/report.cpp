@@ -52,24 +52,24 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
   return text;
 }
 
-std::string contradiction(const Operation& answer, const std::vector<Operation>& operations) {
-  using Kind = Operation::Kind;
+std::string contradiction(const QueueCall& answer, const std::vector<QueueCall>& operations) {
+  using Kind = QueueCall::Kind;
   if (!answer.finished || answer.answered || answer.no_memory || answer.closed) return "";
-  const auto left_by = [&](const Operation& push, auto when) {
-    return std::any_of(operations.begin(), operations.end(), [&](const Operation& o) {
+  const auto left_by = [&](const QueueCall& push, auto when) {
+    return std::any_of(operations.begin(), operations.end(), [&](const QueueCall& o) {
       return o.kind == Kind::pop && (!o.finished || (o.answered && o.value == push.value)) &&
              when(o);
     });
   };
   std::vector<std::uint64_t> inside;
-  for (const Operation& push : operations) {
+  for (const QueueCall& push : operations) {
     if (push.kind != Kind::push || !push.finished || !push.answered) continue;
     if (answer.kind == Kind::push) {
       if (!precedes(answer, push) &&
-          !left_by(push, [&](const Operation& o) { return precedes(o, answer); }))
+          !left_by(push, [&](const QueueCall& o) { return precedes(o, answer); }))
         inside.push_back(push.value);
     } else if (precedes(push, answer) &&
-               !left_by(push, [&](const Operation& o) { return !precedes(answer, o); })) {
+               !left_by(push, [&](const QueueCall& o) { return !precedes(answer, o); })) {
       return fmt::format("push {} happens before it, and nobody had taken that", push.value);
     }
   }
@@ -116,27 +116,27 @@ std::string standings(const Execution& execution, Symbols& symbols) {
 }
 
 /// Whether the call stands amid others like it, before or after the threads: three on either side.
-bool is_one_of_many(const std::vector<Operation>& operations, std::size_t number) {
+bool is_one_of_many(const std::vector<QueueCall>& operations, std::size_t number) {
   constexpr std::size_t around = 3;
   if (number < around || number + around >= operations.size()) return false;
-  const Operation& o = operations[number];
-  return o.phase != Operation::Phase::during &&
+  const QueueCall& o = operations[number];
+  return o.phase != QueueCall::Phase::during &&
          std::all_of(operations.begin() + static_cast<std::ptrdiff_t>(number - around),
                      operations.begin() + static_cast<std::ptrdiff_t>(number + around + 1),
-                     [&o](const Operation& other) {
+                     [&o](const QueueCall& other) {
                        return other.phase == o.phase && other.kind == o.kind &&
                               other.worker == o.worker && other.answered == o.answered &&
                               other.no_memory == o.no_memory;
                      });
 }
 
-std::string history(const std::vector<Operation>& operations, std::string_view wrong) {
+std::string history(const std::vector<QueueCall>& operations, std::string_view wrong) {
   std::string text;
   std::size_t last = 1;
-  for (const Operation& o : operations) last = std::max({last, o.first_step, o.last_step});
+  for (const QueueCall& o : operations) last = std::max({last, o.first_step, o.last_step});
   std::size_t left_out = 0;
-  for (const Operation& o : operations) {
-    const bool refused = o.kind == Operation::Kind::push && !o.answered &&
+  for (const QueueCall& o : operations) {
+    const bool refused = o.kind == QueueCall::Kind::push && !o.answered &&
                          wrong.find(refusal(o)) != std::string_view::npos;
     if (!refused && is_one_of_many(operations, static_cast<std::size_t>(&o - operations.data()))) {
       ++left_out;
@@ -145,25 +145,25 @@ std::string history(const std::vector<Operation>& operations, std::string_view w
     if (left_out != 0) text += fmt::format("            and {} more\n", std::exchange(left_out, 0));
     constexpr std::size_t width = 48;
     std::string bar(width + 1, ' ');
-    if (o.phase == Operation::Phase::during) {
+    if (o.phase == QueueCall::Phase::during) {
       const std::size_t from = o.first_step * width / last;
       const std::size_t to = o.finished ? std::max(o.last_step * width / last, from) : width;
       for (std::size_t i = from; i <= to; ++i) bar[i] = '-';
       bar[from] = '|';
       if (o.finished) bar[to] = '|';
     }
-    const char* who = o.phase == Operation::Phase::before  ? "before"
-                      : o.phase == Operation::Phase::after ? "after"
+    const char* who = o.phase == QueueCall::Phase::before  ? "before"
+                      : o.phase == QueueCall::Phase::after ? "after"
                                                            : "";
     text += fmt::format("  {:<9} {:<18} {}\n",
                         *who != '\0' ? who : fmt::format("thread {}", o.thread), to_string(o), bar);
-    if (o.phase != Operation::Phase::during && refused)
+    if (o.phase != QueueCall::Phase::during && refused)
       text += fmt::format("            ^ {}\n", contradiction(o, operations));
   }
   return text;
 }
 
-std::string picture(const Execution& execution, const std::vector<Operation>& operations,
+std::string picture(const Execution& execution, const std::vector<QueueCall>& operations,
                     Symbols& symbols) {
   std::string text = columns(execution, operations, symbols) + "\n";
   const FindingKind kind = execution.finding() ? execution.finding()->kind : FindingKind::failure;

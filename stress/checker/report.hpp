@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "stress/checker/checker.hpp"
-#include "stress/checker/operations.hpp"
+#include "stress/checker/queue_calls.hpp"
 #include "stress/checker/symbols.hpp"
 
 namespace irt::checker {
@@ -16,13 +16,13 @@ std::string sentence(const Finding& finding, Symbols& symbols);
 /// The steps of the execution that `execution` made last, as columns, with the plain accesses,
 /// allocations and frees that its finding speaks of, and the blocks of the heap that are named.
 /// Steps at places that only one thread touches are left out.
-std::string columns(const Execution& execution, const std::vector<Operation>& operations,
+std::string columns(const Execution& execution, const std::vector<QueueCall>& operations,
                     Symbols& symbols);
 
 /// Why an answer "empty" cannot be one of a FIFO queue, if one element shows it: "push 101 happens
 /// before it, and nobody had taken that", else empty. Of an answer "full" what can have been inside
 /// at most. Empty for other answers.
-std::string contradiction(const Operation& answer, const std::vector<Operation>& operations);
+std::string contradiction(const QueueCall& answer, const std::vector<QueueCall>& operations);
 
 /// Where each thread stands at the end of an execution that does not go on, and what it last saw.
 std::string standings(const Execution& execution, Symbols& symbols);
@@ -30,10 +30,10 @@ std::string standings(const Execution& execution, Symbols& symbols);
 /// The operations as lines with their intervals to scale: the scale is steps of this execution,
 /// and only happens-before says what came first. A "full" outside of the columns that `wrong`, the
 /// judge's sentence, speaks of is marked.
-std::string history(const std::vector<Operation>& operations, std::string_view wrong);
+std::string history(const std::vector<QueueCall>& operations, std::string_view wrong);
 
 /// All three, the second where threads do not go on.
-std::string picture(const Execution& execution, const std::vector<Operation>& operations,
+std::string picture(const Execution& execution, const std::vector<QueueCall>& operations,
                     Symbols& symbols);
 
 /// The execution's graph in the language of Graphviz: program order, reads-from, and modification

@@ -182,8 +182,8 @@ std::optional<std::string> ScenarioClient::judge() const {
   return fmt::format("{} (broken claim: {})", first.text, promise(first.pattern));
 }
 
-std::vector<Operation> ScenarioClient::operations() const {
-  std::vector<Operation> result;
+std::vector<QueueCall> ScenarioClient::operations() const {
+  std::vector<QueueCall> result;
   for (std::size_t i = 0; i < run_.calls.size(); ++i) {
     const CallPlace& call = run_.calls[i];
     const bool drains = call.thread == roles_.workers;
@@ -194,12 +194,12 @@ std::vector<Operation> ScenarioClient::operations() const {
         [&](const CallPlace& o) { return o.thread == call.thread && o.entry == call.entry; });
     const bool logged = call.finished && call.entry < log.size();
     if (command || (call.finished && !logged)) continue;
-    Operation operation{
-        .kind = call.kind == Kind::push ? Operation::Kind::push : Operation::Kind::pop,
+    QueueCall operation{
+        .kind = call.kind == Kind::push ? QueueCall::Kind::push : QueueCall::Kind::pop,
         .thread = call.thread,
         .worker = call.worker,
         .number = result.size(),
-        .phase = drains ? Operation::Phase::after : Operation::Phase::during,
+        .phase = drains ? QueueCall::Phase::after : QueueCall::Phase::during,
         .finished = call.finished,
         .called = call.called,
         .returned = call.returned,

@@ -9,7 +9,7 @@
 
 #include "queues/roles.hpp"
 #include "stress/checker/checker.hpp"
-#include "stress/checker/operations.hpp"
+#include "stress/checker/queue_calls.hpp"
 #include "stress/checker/virtual_core.hpp"
 #include "stress/scenarios/scenarios.hpp"
 
@@ -28,9 +28,9 @@ class ScenarioClient {
   ScenarioClient(const ScenarioClient&) = delete;
   ScenarioClient& operator=(const ScenarioClient&) = delete;
 
-  [[nodiscard]] const Scenario& program() const { return program_; }
+  [[nodiscard]] const Program& program() const { return program_; }
   /// The calls of the last execution.
-  [[nodiscard]] std::vector<Operation> operations() const;
+  [[nodiscard]] std::vector<QueueCall> operations() const;
   /// "4 workers with 5 operations each, capacity 2".
   [[nodiscard]] std::string description() const;
 
@@ -47,7 +47,7 @@ class ScenarioClient {
   std::uint64_t operations_ = 0;
   Claims claims_;  ///< by which the history is judged
   Roles roles_;
-  Scenario program_;
+  Program program_;
   stress::ElementQueue* queue_ = nullptr;
   ScenarioRun run_;
   std::vector<stress::WorkerState> states_;

@@ -23,7 +23,7 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
   const Finding& finding = *result.finding;
   std::string text =
       fmt::format("{}: {}\n\n", checker::name_of(finding.kind), sentence(finding, symbols));
-  const auto execution = repeat(client.scenario(), options, result.schedule);
+  const auto execution = repeat(client.program(), options, result.schedule);
   if (execution != nullptr) {
     for (const auto& [thread, place] : execution->failed_at())
       text += fmt::format("There was no memory for what thread {} allocates at {}.\n\n", thread,
@@ -96,7 +96,7 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
     options.seconds = std::max(bounds.seconds - spent, 0.01);
     if (settings_.keep_going) options.known = known_;
     const Result before =
-        std::exchange(shape.result, check_in_parts(client.scenario(), options, settings_.jobs));
+        std::exchange(shape.result, check_in_parts(client.program(), options, settings_.jobs));
     Result& result = shape.result;
     place(result);
     add_counts(result, before);
@@ -106,8 +106,8 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
     if (!result.finding) return;
     const bool is_news = is_new(*result.finding);
     if (is_news && settings_.reports)
-      shape.report = report_of(client, options, simplest(client.scenario(), options, result),
-                               module_, command);
+      shape.report =
+          report_of(client, options, simplest(client.program(), options, result), module_, command);
     if (!settings_.keep_going) return;
     if (is_news) found(shape);
     result.finding.reset();
@@ -123,8 +123,8 @@ ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
   QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
   ShapeResult shape{.shape = text, .search = stalls_search};
   const ProgressResult stalls =
-      check_progress(client.scenario(), settings_.options.limits, settings_.options.seed, 6,
-                     seconds, [&](const Execution& execution) {
+      check_progress(client.program(), settings_.options.limits, settings_.options.seed, 6, seconds,
+                     [&](const Execution& execution) {
                        if (!settings_.reports) return;
                        Symbols symbols(module_);
                        shape.report = fmt::format(

@@ -53,7 +53,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
     Options options = settings.options;
     options.seconds = 1;
     options.watch_orders = true;
-    const std::vector<OrderSite> seen = check(client.scenario(), options).order_sites;
+    const std::vector<OrderSite> seen = check(client.program(), options).order_sites;
     std::vector<const void*> pcs;
     for (const OrderSite& site : seen) pcs.push_back(site.pc);
     symbols.look_up(pcs);
@@ -76,7 +76,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
         Options options = settings.options;
         options.seconds = settings.seconds / static_cast<double>(shapes.size());
         for (const OrderSite& site : places) options.weakened.emplace_back(site, order);
-        const Result result = check(client.scenario(), options);
+        const Result result = check(client.program(), options);
         complete = complete && (result.finished || result.finding);
         if (!result.finding) continue;
         breaks = fmt::format("{} on {}", checker::name_of(result.finding->kind), text);

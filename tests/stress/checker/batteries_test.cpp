@@ -25,7 +25,7 @@ class DefaultCheck : public testing::Test {
   Result check_shape(std::string_view queue, const char* shape,
                      std::shared_ptr<AgedMemory> aged = nullptr) {
     QueueClient client(entry(queue), parse_shape(shape), 0, &module_, false, std::move(aged));
-    return checker::check(client.scenario(), {});
+    return checker::check(client.program(), {});
   }
 
   static const ShapeResult* found(const QueueResult& result) {

@@ -19,7 +19,7 @@ class ClaimsTest : public testing::Test {
   /// What one shape, searched whole, brings to light; empty if nothing.
   std::string finding(std::string_view queue, std::string_view shape) {
     QueueClient client(entry(queue), parse_shape(shape), 0, &module_);
-    const Result result = check(client.scenario(), {.seconds = 20});
+    const Result result = check(client.program(), {.seconds = 20});
     EXPECT_TRUE(result.finished || result.finding) << queue << " on " << shape;
     return result.finding ? result.finding->text : "";
   }

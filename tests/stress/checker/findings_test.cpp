@@ -21,14 +21,14 @@ class Findings : public testing::Test {
     return {first, first + count};
   }
 
-  checker::Scenario scenario_of(const irt::findings::Program& program) {
-    checker::Scenario scenario;
-    scenario.module = &module_;
+  checker::Program program_of(const irt::findings::Program& program) {
+    checker::Program checked;
+    checked.module = &module_;
     for (const auto thread : program.threads)
-      if (thread != nullptr) scenario.threads.emplace_back(thread);
-    if (program.prepare != nullptr) scenario.prepare = program.prepare;
-    if (program.finish != nullptr) scenario.finish = program.finish;
-    return scenario;
+      if (thread != nullptr) checked.threads.emplace_back(thread);
+    if (program.prepare != nullptr) checked.prepare = program.prepare;
+    if (program.finish != nullptr) checked.finish = program.finish;
+    return checked;
   }
 
   /// Whether it reaches a limit of the checker, so that nothing can be said of it.
@@ -47,8 +47,8 @@ class Findings : public testing::Test {
 
 TEST_F(Findings, exhaustive_search_finds_what_is_wrong_and_nothing_else) {
   for (const auto& program : programs()) {
-    const checker::Scenario scenario = scenario_of(program);
-    const checker::Result result = check(scenario, {.seconds = 10});
+    const checker::Program checked = program_of(program);
+    const checker::Result result = check(checked, {.seconds = 10});
     if (is_limit(program)) {
       EXPECT_EQ(found(result), "") << program.name << ": " << result.finding->text;
       EXPECT_FALSE(result.finished) << program.name;
@@ -64,7 +64,7 @@ TEST_F(Findings, exhaustive_search_finds_what_is_wrong_and_nothing_else) {
 TEST_F(Findings, bounded_and_random_searches_agree) {
   for (const auto& program : programs()) {
     if (is_limit(program)) continue;
-    const checker::Scenario scenario = scenario_of(program);
+    const checker::Program checked = program_of(program);
     for (const auto search : {checker::Search::bounded, checker::Search::random,
                               checker::Search::pct, checker::Search::pos}) {
       // A loop has its way only if nobody else runs before it gives up, which is seldom drawn.
@@ -73,7 +73,7 @@ TEST_F(Findings, bounded_and_random_searches_agree) {
       if (search == checker::Search::random && std::string(program.name).starts_with("atomic wait"))
         continue;
       const checker::Result result =
-          check(scenario, {.search = search, .budget = 2, .executions = 1000});
+          check(checked, {.search = search, .budget = 2, .executions = 1000});
       EXPECT_EQ(found(result), program.finding)
           << program.name << " by search " << static_cast<int>(search) << ": "
           << (result.finding ? result.finding->text : "");
@@ -84,13 +84,13 @@ TEST_F(Findings, bounded_and_random_searches_agree) {
 TEST_F(Findings, a_schedule_finds_the_same_again) {
   for (const auto& program : programs()) {
     if (is_limit(program)) continue;
-    const checker::Scenario scenario = scenario_of(program);
+    const checker::Program checked = program_of(program);
     for (const auto search : {checker::Search::exhaustive, checker::Search::random}) {
       const checker::Options options{.search = search, .executions = 1000};
-      const checker::Result result = check(scenario, options);
+      const checker::Result result = check(checked, options);
       if (!result.finding) continue;
       const std::string text = to_string(result.schedule);
-      const auto execution = repeat(scenario, options, checker::parse_schedule(text));
+      const auto execution = repeat(checked, options, checker::parse_schedule(text));
       ASSERT_NE(execution, nullptr) << program.name << " " << text;
       EXPECT_EQ(execution->finding()->text, result.finding->text) << program.name;
     }
@@ -108,7 +108,7 @@ TEST_F(Findings, memory_that_comes_back_is_a_choice) {
     if (std::string(program.name) != "memory comes back") continue;
     checker::Options options;
     options.limits.reuse_memory = true;
-    const checker::Result result = check(scenario_of(program), options);
+    const checker::Result result = check(program_of(program), options);
     EXPECT_EQ(found(result), "failure");
     EXPECT_GE(result.complete, 1U) << "it need not come back";
   }
@@ -120,7 +120,7 @@ TEST_F(Findings, as_many_allocations_fail_as_may) {
     checker::Options options;
     for (const unsigned most : {1U, 2U}) {
       options.limits.failing_allocations = most;
-      const checker::Result result = check(scenario_of(program), options);
+      const checker::Result result = check(program_of(program), options);
       EXPECT_EQ(found(result), most == 1 ? "" : "failure");
       EXPECT_EQ(result.complete, 3U) << "none, the first or the second alone";
     }

@@ -21,11 +21,11 @@ TEST_F(Forms, accesses_of_every_form_are_announced) {
   const auto* programs =
       module_.function<const findings::Program*(unsigned*)>("irt_forms_programs")(&count);
   for (unsigned i = 0; i < count; ++i) {
-    Scenario scenario;
-    scenario.module = &module_;
+    Program checked;
+    checked.module = &module_;
     for (const auto thread : programs[i].threads)
-      if (thread != nullptr) scenario.threads.emplace_back(thread);
-    const Result result = check(scenario, {.seconds = 10});
+      if (thread != nullptr) checked.threads.emplace_back(thread);
+    const Result result = check(checked, {.seconds = 10});
     EXPECT_EQ(result.finding ? std::string(name_of(result.finding->kind)) : "", programs[i].finding)
         << programs[i].name;
   }

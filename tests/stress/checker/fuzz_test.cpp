@@ -71,10 +71,10 @@ struct Explored {
 Explored explore(irt::virtual_cores::Module& module, const Program& program,
                  const checker::Options& base) {
   auto* run = module.function<void(const Step*, unsigned, unsigned)>("irt_fuzz_run");
-  checker::Scenario scenario;
-  scenario.module = &module;
+  checker::Program checked;
+  checked.module = &module;
   for (unsigned t = 0; t < program.size(); ++t)
-    scenario.threads.emplace_back([&program, run, t] {
+    checked.threads.emplace_back([&program, run, t] {
       run(program[t].data(), static_cast<unsigned>(program[t].size()), t);
     });
   Explored explored;
@@ -82,7 +82,7 @@ Explored explore(irt::virtual_cores::Module& module, const Program& program,
   options.each = [&](const checker::Execution& execution) {
     explored.graphs.insert(fingerprint(execution));
   };
-  explored.result = checker::check(scenario, options);
+  explored.result = checker::check(checked, options);
   return explored;
 }
 

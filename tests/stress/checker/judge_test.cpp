@@ -4,19 +4,19 @@
 #include <string>
 #include <vector>
 
-#include "stress/checker/operations.hpp"
+#include "stress/checker/queue_calls.hpp"
 #include "stress/checker/report.hpp"
 
 namespace irt::checker {
 namespace {
 
-using Kind = Operation::Kind;
-using Phase = Operation::Phase;
+using Kind = QueueCall::Kind;
+using Phase = QueueCall::Phase;
 
 /// A finished call of `thread`, the `number`th of all.
-Operation call(Kind kind, unsigned thread, std::size_t number, bool answered, std::uint64_t value,
+QueueCall call(Kind kind, unsigned thread, std::size_t number, bool answered, std::uint64_t value,
                Phase phase = Phase::during) {
-  Operation o{.kind = kind,
+  QueueCall o{.kind = kind,
               .thread = thread,
               .worker = thread,
               .number = number,
@@ -29,7 +29,7 @@ Operation call(Kind kind, unsigned thread, std::size_t number, bool answered, st
   return o;
 }
 
-std::string wrong(const std::vector<Operation>& operations, const Claims& claims) {
+std::string wrong(const std::vector<QueueCall>& operations, const Claims& claims) {
   return judge(operations, claims, 2).wrong.value_or("nothing");
 }
 
@@ -37,7 +37,7 @@ constexpr Claims exact_ring{.ordering = Ordering::fifo_happens_before, .bounded 
 constexpr Claims loose_ring{.bounded = true};
 
 TEST(Judge, says_why_full_is_wrong) {
-  const Operation full = call(Kind::push, 0, 1, false, 101);
+  const QueueCall full = call(Kind::push, 0, 1, false, 101);
   EXPECT_EQ(wrong({full}, {}),
             "thread 0's push (of 101) answered \"full\", and the queue claims no bound");
   EXPECT_EQ(wrong({full}, exact_ring),
@@ -49,9 +49,9 @@ TEST(Judge, says_why_full_is_wrong) {
 }
 
 TEST(Judge, says_why_empty_is_wrong) {
-  const Operation push = call(Kind::push, 0, 1, true, 101);
-  const Operation empty = call(Kind::pop, 0, 2, false, 0);
-  const Operation pop = call(Kind::pop, 0, 3, true, 101);
+  const QueueCall push = call(Kind::push, 0, 1, true, 101);
+  const QueueCall empty = call(Kind::pop, 0, 2, false, 0);
+  const QueueCall pop = call(Kind::pop, 0, 3, true, 101);
   const std::string text = "thread 0's pop number 1 answered \"empty\" while 101 was inside";
   EXPECT_EQ(wrong({push, empty, pop}, {.ordering = Ordering::fifo_happens_before}),
             text + ", by happens-before");
@@ -61,22 +61,22 @@ TEST(Judge, says_why_empty_is_wrong) {
 }
 
 TEST(Judge, accepts_full_and_empty_where_they_are_right) {
-  const Operation first = call(Kind::push, 0, 1, true, 101);
-  const Operation second = call(Kind::push, 0, 2, true, 102);
-  const Operation full = call(Kind::push, 0, 3, false, 103);
-  const Operation pop = call(Kind::pop, 0, 4, true, 101, Phase::after);
-  const Operation last = call(Kind::pop, 0, 5, true, 102, Phase::after);
-  const Operation empty = call(Kind::pop, 0, 6, false, 0, Phase::after);
+  const QueueCall first = call(Kind::push, 0, 1, true, 101);
+  const QueueCall second = call(Kind::push, 0, 2, true, 102);
+  const QueueCall full = call(Kind::push, 0, 3, false, 103);
+  const QueueCall pop = call(Kind::pop, 0, 4, true, 101, Phase::after);
+  const QueueCall last = call(Kind::pop, 0, 5, true, 102, Phase::after);
+  const QueueCall empty = call(Kind::pop, 0, 6, false, 0, Phase::after);
   EXPECT_EQ(wrong({first, second, full, pop, last, empty}, exact_ring), "nothing");
 }
 
 TEST(Contradiction, names_what_can_have_been_inside_when_full_was_answered) {
-  const Operation full = call(Kind::push, 1, 3, false, 201);
+  const QueueCall full = call(Kind::push, 1, 3, false, 201);
   EXPECT_EQ(contradiction(full, {full}), "nothing can have been inside");
-  const Operation before = call(Kind::push, 0, 1, true, 101, Phase::before);
-  const Operation taken = call(Kind::pop, 1, 2, true, 101);
-  const Operation beside = call(Kind::push, 0, 2, true, 102);
-  const Operation later = call(Kind::push, 1, 4, true, 202);
+  const QueueCall before = call(Kind::push, 0, 1, true, 101, Phase::before);
+  const QueueCall taken = call(Kind::pop, 1, 2, true, 101);
+  const QueueCall beside = call(Kind::push, 0, 2, true, 102);
+  const QueueCall later = call(Kind::push, 1, 4, true, 202);
   EXPECT_EQ(contradiction(full, {before, full}), "inside was at most: 101");
   EXPECT_EQ(contradiction(full, {before, taken, beside, full, later}), "inside was at most: 102")
       << "101 was taken before, 202 came after";

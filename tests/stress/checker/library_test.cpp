@@ -19,17 +19,17 @@ TEST_F(Library, compiled_code_of_the_standard_library_is_seen) {
   Symbols symbols(module_);
   for (unsigned i = 0; i < count; ++i) {
     const findings::Program& program = programs[i];
-    Scenario scenario;
-    scenario.module = &module_;
+    Program checked;
+    checked.module = &module_;
     for (const auto thread : program.threads)
-      if (thread != nullptr) scenario.threads.emplace_back(thread);
-    if (program.prepare != nullptr) scenario.prepare = program.prepare;
-    if (program.finish != nullptr) scenario.finish = program.finish;
+      if (thread != nullptr) checked.threads.emplace_back(thread);
+    if (program.prepare != nullptr) checked.prepare = program.prepare;
+    if (program.finish != nullptr) checked.finish = program.finish;
     Options options{.seconds = 10};
     // Too large for a proof.
     if (program.name == std::string_view("future"))
       options = {.search = Search::pos, .executions = 2000};
-    const Result result = check(scenario, options);
+    const Result result = check(checked, options);
     EXPECT_EQ(result.finding ? std::string(name_of(result.finding->kind)) : "", program.finding)
         << program.name << ": " << (result.finding ? sentence(*result.finding, symbols) : "");
     EXPECT_TRUE(result.finished || result.finding || options.search != Search::exhaustive)
@@ -39,11 +39,11 @@ TEST_F(Library, compiled_code_of_the_standard_library_is_seen) {
 
 TEST_F(Library, executions_that_differ_are_no_proof_and_no_finding) {
   const auto& program = *module_.function<const findings::Program*()>("irt_foreign_dice")();
-  Scenario scenario;
-  scenario.module = &module_;
-  scenario.threads = {program.threads[0], program.threads[1]};
+  Program checked;
+  checked.module = &module_;
+  checked.threads = {program.threads[0], program.threads[1]};
   for (const Search search : {Search::exhaustive, Search::bounded, Search::pos}) {
-    const Result result = check(scenario, {.search = search, .executions = 500, .seconds = 5});
+    const Result result = check(checked, {.search = search, .executions = 500, .seconds = 5});
     EXPECT_FALSE(result.finished && search != Search::pos);
     EXPECT_NE(result.incomplete.find("executions differ"), std::string::npos)
         << static_cast<int>(search);

@@ -25,12 +25,12 @@ class Litmus : public testing::Test {
   Explored explore(const irt::litmus::Program& program, const checker::Options& base) {
     const auto* results = module_.function<const int*()>("irt_litmus_results")();
     const auto final_value = module_.function<int(unsigned)>("irt_litmus_final");
-    checker::Scenario scenario;
-    scenario.module = &module_;
+    checker::Program checked;
+    checked.module = &module_;
     for (const auto thread : program.threads)
-      if (thread != nullptr) scenario.threads.emplace_back(thread);
+      if (thread != nullptr) checked.threads.emplace_back(thread);
     std::string finals;
-    scenario.finish = [&] {
+    checked.finish = [&] {
       finals.clear();
       for (unsigned v = 0; v < program.finals; ++v) finals += char('0' + final_value(v));
     };
@@ -41,7 +41,7 @@ class Litmus : public testing::Test {
       for (unsigned i = 0; i < program.results; ++i) outcome += char('0' + results[i]);
       explored.outcomes.insert(program.finals == 0 ? outcome : outcome + "/" + finals);
     };
-    explored.result = checker::check(scenario, options);
+    explored.result = checker::check(checked, options);
     if (explored.result.finding)
       explored.outcomes.insert(std::string(name_of(explored.result.finding->kind)));
     return explored;

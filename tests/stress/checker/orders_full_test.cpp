@@ -19,7 +19,7 @@ TEST(Orders, lcrq_goes_on_in_the_next_ring_behind_what_linked_it) {
   options.search = Search::pos;
   options.seconds = 1;
   options.watch_orders = true;
-  const Result seen = check(client.scenario(), options);
+  const Result seen = check(client.program(), options);
   ASSERT_FALSE(seen.finding) << seen.finding->text;
 
   // Push and pop look for the next ring by the same line; push comes first.
@@ -38,7 +38,7 @@ TEST(Orders, lcrq_goes_on_in_the_next_ring_behind_what_linked_it) {
   options.watch_orders = false;
   options.seconds = 300;
   options.executions = 1'000'000;
-  const Result weaker = check(client.scenario(), options);
+  const Result weaker = check(client.program(), options);
   ASSERT_TRUE(weaker.finding) << "nothing in " << weaker.executions << " executions";
   EXPECT_EQ(weaker.finding->kind, FindingKind::wrong_outcome);
 }

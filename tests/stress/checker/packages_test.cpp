@@ -15,7 +15,7 @@ std::string finding(const std::string& name, const std::string& shape) {
   virtual_cores::Module module(IRT_QUEUE_MODULES "/" + name + ".so");
   const QueueEntry& entry = virtual_cores::queue_of(module);
   QueueClient client(entry, parse_shape(shape), 0, &module);
-  const Result result = check(client.scenario(), {.seconds = 20});
+  const Result result = check(client.program(), {.seconds = 20});
   EXPECT_TRUE(result.finished || result.finding) << name << " on " << shape;
   return result.finding ? std::string(name_of(result.finding->kind)) : "";
 }
@@ -44,7 +44,7 @@ TEST(Packages, boost_writes_a_free_list_over_what_others_read) {
     QueueClient client(entry, parse_shape("EE:D|DD"), 0, &module);
     Options options{.seconds = 20};
     options.limits.races = false;
-    const Result result = check(client.scenario(), options);
+    const Result result = check(client.program(), options);
     EXPECT_TRUE(result.finished || result.finding || !result.incomplete.empty()) << name;
   }
 }

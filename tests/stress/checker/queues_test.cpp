@@ -25,7 +25,7 @@ class Queues : public testing::Test {
   checker::Result check(std::string_view queue, std::string_view shape,
                         const checker::Options& options) {
     checker::QueueClient client(entry(queue), checker::parse_shape(shape), 2, &module_);
-    return checker::check(client.scenario(), options);
+    return checker::check(client.program(), options);
   }
 
   /// The first finding in the battery; no kind if there is none.
@@ -101,7 +101,7 @@ TEST_F(Queues, faults_are_found_by_samples_whatever_the_seed) {
 TEST_F(Queues, a_stopped_producer_blocks_a_ring_and_no_linked_queue) {
   const auto stalls = [this](std::string_view queue) {
     checker::QueueClient client(entry(queue), checker::parse_shape("E|E|D"), 2, &module_);
-    return check_progress(client.scenario(), {}, 1, 6, 60);
+    return check_progress(client.program(), {}, 1, 6, 60);
   };
   const checker::ProgressResult ring = stalls("boastful-ring");
   ASSERT_TRUE(ring.finding);
@@ -114,7 +114,7 @@ TEST_F(Queues, a_stopped_producer_blocks_a_ring_and_no_linked_queue) {
 TEST_F(Queues, a_clock_shows_what_happens_before_does_not) {
   const auto timed = [this](std::string_view queue, std::string_view shape) {
     checker::QueueClient client(entry(queue), checker::parse_shape(shape), 2, &module_, true);
-    return checker::check(client.scenario(), {});
+    return checker::check(client.program(), {});
   };
   // Its "empty" may be old news, which it does not deny.
   const checker::Result linked = timed("healthy", "E|D");
@@ -133,7 +133,7 @@ TEST_F(Queues, linked_rings_are_proved_by_the_clock) {
   for (const char* shape : {"E|D", "E:D|D", "ED|ED", "E:E|D|E", "EE:DD|ED", "EEE:DD|D"})
     for (const char* queue : {"lcrq", "boxed-lcrq"}) {
       checker::QueueClient client(entry(queue), checker::parse_shape(shape), 2, &module_, true);
-      const checker::Result result = checker::check(client.scenario(), {});
+      const checker::Result result = checker::check(client.program(), {});
       EXPECT_TRUE(result.finished) << shape;
       EXPECT_FALSE(result.finding) << shape << ": " << result.finding->text;
     }
@@ -169,8 +169,8 @@ TEST_F(Queues, parts_of_the_work_add_up) {
 
 TEST_F(Queues, processes_share_the_work_and_add_it_up) {
   checker::QueueClient client(entry("healthy"), checker::parse_shape("ED|EDD|D"), 2, &module_);
-  const checker::Result whole = checker::check(client.scenario(), {});
-  const checker::Result parts = checker::check_in_parts(client.scenario(), {}, 3);
+  const checker::Result whole = checker::check(client.program(), {});
+  const checker::Result parts = checker::check_in_parts(client.program(), {}, 3);
   ASSERT_GT(whole.executions, 4096U) << "too few to be worth several processes";
   EXPECT_TRUE(parts.finished);
   EXPECT_EQ(parts.complete, whole.complete);
@@ -181,18 +181,18 @@ TEST_F(Queues, processes_share_the_work_and_add_it_up) {
 // About one execution in 3,000 fails, whichever process makes it.
 TEST_F(Queues, processes_agree_on_what_they_have_found) {
   checker::QueueClient client(entry("healthy"), checker::parse_shape("ED|EDD|D"), 2, &module_);
-  checker::Scenario scenario = client.scenario();
-  scenario.judge = [](const checker::Execution& execution) -> std::optional<std::string> {
+  checker::Program checked = client.program();
+  checked.judge = [](const checker::Execution& execution) -> std::optional<std::string> {
     const std::string steps = to_string(checker::Schedule{execution.steps(), true});
     if (std::hash<std::string>{}(steps) % 3000 != 7) return std::nullopt;
     return steps;
   };
   for (const checker::Search search : {checker::Search::exhaustive, checker::Search::random}) {
     const checker::Options options{.search = search, .executions = 200'000};
-    const checker::Result first = checker::check_in_parts(scenario, options, 3);
+    const checker::Result first = checker::check_in_parts(checked, options, 3);
     ASSERT_TRUE(first.finding);
     for (int again = 0; again < 3; ++again) {
-      const checker::Result result = checker::check_in_parts(scenario, options, 3);
+      const checker::Result result = checker::check_in_parts(checked, options, 3);
       ASSERT_TRUE(result.finding);
       EXPECT_EQ(result.finding->text, first.finding->text);
       EXPECT_EQ(result.schedule.steps, first.schedule.steps);
@@ -202,13 +202,13 @@ TEST_F(Queues, processes_agree_on_what_they_have_found) {
 
 TEST_F(Queues, a_process_that_crashes_is_no_verdict) {
   checker::QueueClient client(entry("healthy"), checker::parse_shape("ED|EDD|D"), 2, &module_);
-  checker::Scenario scenario = client.scenario();
-  scenario.judge = [&, made = 0](const checker::Execution&) mutable -> std::optional<std::string> {
+  checker::Program checked = client.program();
+  checked.judge = [&, made = 0](const checker::Execution&) mutable -> std::optional<std::string> {
     if (++made == 9000) std::raise(SIGKILL);
     return std::nullopt;
   };
   try {
-    checker::check_in_parts(scenario, {}, 2);
+    checker::check_in_parts(checked, {}, 2);
     FAIL() << "a crash was swallowed";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("crashed: signal 9"), std::string::npos)
@@ -217,15 +217,15 @@ TEST_F(Queues, a_process_that_crashes_is_no_verdict) {
 }
 
 TEST(Judge, orders_operations_by_happens_before_only) {
-  using Operation = checker::Operation;
+  using QueueCall = checker::QueueCall;
   const irt::Claims fifo{.ordering = irt::Ordering::fifo_happens_before};
-  Operation push{.kind = Operation::Kind::push, .thread = 0, .answered = true, .finished = true};
+  QueueCall push{.kind = QueueCall::Kind::push, .thread = 0, .answered = true, .finished = true};
   push.value = 7;
   push.returned = 3;
-  Operation empty{.kind = Operation::Kind::pop, .thread = 1, .finished = true};
-  Operation pop{.kind = Operation::Kind::pop, .thread = 2, .answered = true, .finished = true};
+  QueueCall empty{.kind = QueueCall::Kind::pop, .thread = 1, .finished = true};
+  QueueCall pop{.kind = QueueCall::Kind::pop, .thread = 2, .answered = true, .finished = true};
   pop.value = 7;
-  pop.phase = Operation::Phase::after;
+  pop.phase = QueueCall::Phase::after;
   EXPECT_FALSE(checker::judge({push, empty, pop}, fifo, 1).wrong) << "the push may come later";
   empty.called.count[0] = 3;
   EXPECT_TRUE(checker::judge({push, empty, pop}, fifo, 1).wrong) << "the push happens before";

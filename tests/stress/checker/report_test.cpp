@@ -38,26 +38,26 @@ class Report : public testing::Test {
 
  private:
   std::string of(const irt::findings::Program& program) {
-    checker::Scenario scenario;
-    scenario.module = &module_;
+    checker::Program checked;
+    checked.module = &module_;
     for (const auto thread : program.threads)
-      if (thread != nullptr) scenario.threads.emplace_back(thread);
-    if (program.prepare != nullptr) scenario.prepare = program.prepare;
-    if (program.finish != nullptr) scenario.finish = program.finish;
-    const checker::Result result = check(scenario, {.seconds = 20});
+      if (thread != nullptr) checked.threads.emplace_back(thread);
+    if (program.prepare != nullptr) checked.prepare = program.prepare;
+    if (program.finish != nullptr) checked.finish = program.finish;
+    const checker::Result result = check(checked, {.seconds = 20});
     if (!result.finding || name_of(result.finding->kind) != program.finding) {
       ADD_FAILURE() << program.name << " is not found as " << program.finding;
       return "";
     }
-    const std::string text = sentence_and_steps(scenario, result.schedule);
+    const std::string text = sentence_and_steps(checked, result.schedule);
     const checker::Schedule again = checker::parse_schedule(to_string(result.schedule));
-    EXPECT_EQ(sentence_and_steps(scenario, again), text) << "a replay shows the same";
+    EXPECT_EQ(sentence_and_steps(checked, again), text) << "a replay shows the same";
     return std::regex_replace(text, std::regex("(report_probe.cpp:|  )[0-9]+\\b"), "$1#");
   }
 
-  std::string sentence_and_steps(const checker::Scenario& scenario,
+  std::string sentence_and_steps(const checker::Program& checked,
                                  const checker::Schedule& schedule) {
-    const auto execution = repeat(scenario, {}, schedule);
+    const auto execution = repeat(checked, {}, schedule);
     if (execution == nullptr) return "it does not come out again";
     checker::Symbols symbols(module_);
     return sentence(*execution->finding(), symbols) + "\n" + columns(*execution, {}, symbols) +
@@ -141,20 +141,20 @@ TEST_F(Report, says_where_each_thread_stands) {
 }
 
 TEST(Contradiction, names_the_element_that_an_empty_missed) {
-  using checker::Operation;
-  using Kind = Operation::Kind;
-  using Phase = Operation::Phase;
+  using checker::QueueCall;
+  using Kind = QueueCall::Kind;
+  using Phase = QueueCall::Phase;
   const auto call = [](Kind kind, std::size_t number, Phase phase, bool answered,
                        std::uint64_t value) {
-    return Operation{.kind = kind,
+    return QueueCall{.kind = kind,
                      .number = number,
                      .phase = phase,
                      .answered = answered,
                      .finished = true,
                      .value = value};
   };
-  const Operation push = call(Kind::push, 0, Phase::before, true, 101);
-  const Operation empty = call(Kind::pop, 1, Phase::during, false, 0);
+  const QueueCall push = call(Kind::push, 0, Phase::before, true, 101);
+  const QueueCall empty = call(Kind::pop, 1, Phase::during, false, 0);
   EXPECT_EQ(contradiction(empty, {push, empty, call(Kind::pop, 2, Phase::after, true, 101)}),
             "push 101 happens before it, and nobody had taken that");
   EXPECT_EQ(contradiction(empty, {push, call(Kind::pop, 0, Phase::during, true, 101), empty}), "");
@@ -162,16 +162,16 @@ TEST(Contradiction, names_the_element_that_an_empty_missed) {
 }
 
 TEST(History, shows_of_many_calls_alike_the_first_and_the_last) {
-  using checker::Operation;
-  std::vector<Operation> operations;
+  using checker::QueueCall;
+  std::vector<QueueCall> operations;
   for (std::size_t i = 0; i < 70; ++i)
-    operations.push_back({.kind = Operation::Kind::push,
+    operations.push_back({.kind = QueueCall::Kind::push,
                           .number = i,
-                          .phase = Operation::Phase::before,
+                          .phase = QueueCall::Phase::before,
                           .answered = i != 40,
                           .finished = true,
                           .value = 301 + i});
-  operations.push_back({.kind = Operation::Kind::pop, .finished = true});
+  operations.push_back({.kind = QueueCall::Kind::pop, .finished = true});
   const std::string text = checker::history(operations, "(of 341) answered \"full\"");
   for (const char* part : {"push 301", "push 303", "and 34 more", "push 341 -> full", "push 370"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;

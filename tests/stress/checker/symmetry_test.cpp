@@ -19,7 +19,7 @@ class Twins : public irt::twins::TwinPrograms {
   checker::Result check(std::string_view queue, std::string_view shape, bool symmetry,
                         unsigned jobs = 1) {
     checker::QueueClient client(entry(queue), checker::parse_shape(shape), 2, &module_);
-    return checker::check_in_parts(client.scenario(), {.symmetry = symmetry}, jobs);
+    return checker::check_in_parts(client.program(), {.symmetry = symmetry}, jobs);
   }
 };
 

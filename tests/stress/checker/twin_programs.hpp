@@ -172,18 +172,18 @@ class TwinPrograms : public testing::Test {
   Explored explore(const Program& program, bool symmetry) {
     auto* run = module_.function<void(const Step*, unsigned, int, int)>("irt_twins_run");
     auto* end = module_.function<int(bool)>("irt_twins_end");
-    checker::Scenario scenario;
-    scenario.module = &module_;
-    scenario.roles = program.roles;
+    checker::Program checked;
+    checked.module = &module_;
+    checked.roles = program.roles;
     for (unsigned t = 0; t < program.threads.size(); ++t)
-      scenario.threads.emplace_back([&program, run, t] {
+      checked.threads.emplace_back([&program, run, t] {
         const auto first = std::find(program.roles.begin(), program.roles.end(), program.roles[t]);
         const std::vector<Step>& steps =  // at one place for all of a role
             program.threads[static_cast<std::size_t>(first - program.roles.begin())];
         run(steps.data(), static_cast<unsigned>(steps.size()), static_cast<int>(t),
             program.forbidden);
       });
-    scenario.finish = [&program, end] { end(program.first_slot); };
+    checked.finish = [&program, end] { end(program.first_slot); };
     const std::vector<std::vector<unsigned>> orders = orders_of(program.roles);
     Explored explored;
     checker::Options options;
@@ -196,7 +196,7 @@ class TwinPrograms : public testing::Test {
         first = std::min(first, fingerprint(execution, names));
       explored.orbits.insert(first);
     };
-    explored.result = checker::check(scenario, options);
+    explored.result = checker::check(checked, options);
     return explored;
   }
 

@@ -34,7 +34,7 @@ TEST(Unannounced, stores_look_like_none_to_one_search) {
   virtual_cores::Module module(IRT_CALL_RESULT_PROBE);
   const QueueEntry& entry = module.function<const QueueEntry*()>("irt_probe_entries")()[fixed];
   QueueClient client(entry, parse_shape("E|D"), 0, &module);
-  const Result result = checker::check(client.scenario(), {});
+  const Result result = checker::check(client.program(), {});
   ASSERT_TRUE(result.finding);
   EXPECT_EQ(result.finding->kind, FindingKind::uninitialised_read) << "nothing to take back";
 }

@@ -1,4 +1,4 @@
-/// Every execution graph of the scenario, each once: Kokologiannakis, Marmanis, Gladstein and
+/// Every execution graph of the program, each once: Kokologiannakis, Marmanis, Gladstein and
 /// Vafeiadis 2022, "Truly Stateless, Optimal Dynamic Partial Order Reduction" (TruSt).
 ///
 /// Executions that differ only in the order of steps that do not touch each other have the same
@@ -24,13 +24,13 @@
 
 namespace irt::checker {
 
-class Exhaustive final : public Strategy {
+class Dpor final : public Strategy {
  public:
   /// All of the work, or the `shard`-th of `shards` parts of it. Each part makes the first few
   /// executions, which all share; only the first part counts them.
   /// With `roles`, one of all graphs that differ in which of several equal threads does what: see
   /// symmetry.hpp.
-  explicit Exhaustive(unsigned shard = 0, unsigned shards = 1, std::vector<unsigned> roles = {})
+  explicit Dpor(unsigned shard = 0, unsigned shards = 1, std::vector<unsigned> roles = {})
       : work_(1),
         shard_(shard),
         shards_(shards),

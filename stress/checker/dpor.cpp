@@ -1,4 +1,4 @@
-#include "stress/checker/exhaustive.hpp"
+#include "stress/checker/dpor.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 namespace irt::checker {
 
 // An execution and what it led to share its weight.
-void Exhaustive::weigh() {
+void Dpor::weigh() {
   const double share = current_.weight / static_cast<double>(offspring_ + 1);
   for (std::size_t i = work_.size() - offspring_; i < work_.size(); ++i) work_[i].weight = share;
   offspring_ = 0;
@@ -16,7 +16,7 @@ void Exhaustive::weigh() {
   open_ -= share;
 }
 
-bool Exhaustive::begin() {
+bool Dpor::begin() {
   if (started_) weigh();
   started_ = true;
   // While the parts share the work they take the oldest piece, so that many arise; once there are
@@ -54,25 +54,25 @@ bool Exhaustive::begin() {
   return true;
 }
 
-unsigned Exhaustive::choose_thread(Execution&, std::uint32_t runnable, unsigned) {
+unsigned Dpor::choose_thread(Execution&, std::uint32_t runnable, unsigned) {
   if (cut_) return virtual_cores::host;
   if (position_ == current_.plan.size()) return static_cast<unsigned>(std::countr_zero(runnable));
   const unsigned thread = current_.plan[position_].thread;
   return (runnable >> thread & 1U) != 0 ? thread : virtual_cores::host;
 }
 
-bool Exhaustive::expects_more(unsigned thread) const {
+bool Dpor::expects_more(unsigned thread) const {
   return remaining_[thread] != 0;
 }
 
-bool Exhaustive::expects_choice(unsigned thread, const void* pc) const {
+bool Dpor::expects_choice(unsigned thread, const void* pc) const {
   for (std::size_t i = position_; i < current_.plan.size(); ++i)
     if (current_.plan[i].thread == thread) return current_.plan[i].choice == pc;
   return false;
 }
 
-std::optional<std::size_t> Exhaustive::planned_place(Execution& execution, Event& event,
-                                                     std::uint32_t location) {
+std::optional<std::size_t> Dpor::planned_place(Execution& execution, Event& event,
+                                               std::uint32_t location) {
   if (position_ == current_.plan.size()) return std::nullopt;
   const Graph& graph = execution.graph();
   const EventId store = graph.find(current_.plan[position_].from, location);
@@ -84,7 +84,7 @@ std::optional<std::size_t> Exhaustive::planned_place(Execution& execution, Event
   return graph.location(location).stores.size() - 1 + stores;
 }
 
-void Exhaustive::add(Work work) {
+void Dpor::add(Work work) {
   constexpr std::size_t most = 20'000'000;  // half a gigabyte
   if (planned_ > most) {
     left_out_ = true;
@@ -95,15 +95,15 @@ void Exhaustive::add(Work work) {
   work_.push_back(std::move(work));
 }
 
-void Exhaustive::push(const Planned& last, bool verify) {
+void Dpor::push(const Planned& last, bool verify) {
   Work work{trace_, verify};
   work.plan.push_back(last);
   add(std::move(work));
 }
 
 // Whether an equal thread should be the one to read the store at `at`, or to store after it.
-bool Exhaustive::forbids(const Execution& execution, const Event& event, std::uint32_t location,
-                         std::size_t at, bool reads) const {
+bool Dpor::forbids(const Execution& execution, const Event& event, std::uint32_t location,
+                   std::size_t at, bool reads) const {
   const Graph& graph = execution.graph();
   const Event& store = graph.event(graph.location(location).stores[at]);
   return symmetry_.forbids(graph, execution.heap(), event.thread, event.index, location, at,
@@ -111,8 +111,8 @@ bool Exhaustive::forbids(const Execution& execution, const Event& event, std::ui
                            [&](EventId id) { return graph.find_place(location, id); });
 }
 
-std::size_t Exhaustive::choose_read(Execution& execution, Event& event, std::uint32_t location,
-                                    std::span<const ReadOption> options) {
+std::size_t Dpor::choose_read(Execution& execution, Event& event, std::uint32_t location,
+                              std::span<const ReadOption> options) {
   const Graph& graph = execution.graph();
   const Location& at = graph.location(location);
   std::size_t chosen = options.size();
@@ -143,8 +143,8 @@ std::size_t Exhaustive::choose_read(Execution& execution, Event& event, std::uin
   return chosen;
 }
 
-std::size_t Exhaustive::choose_place(Execution& execution, Event& event, std::uint32_t location,
-                                     std::span<const std::size_t> places) {
+std::size_t Dpor::choose_place(Execution& execution, Event& event, std::uint32_t location,
+                               std::span<const std::size_t> places) {
   const Graph& graph = execution.graph();
   for (const std::size_t place : places.subspan(1)) {
     if (forbids(execution, event, location, place - 1, false)) continue;
@@ -156,7 +156,7 @@ std::size_t Exhaustive::choose_place(Execution& execution, Event& event, std::ui
   return 0;
 }
 
-unsigned Exhaustive::choose_other(Execution& execution, Event& event, unsigned count) {
+unsigned Dpor::choose_other(Execution& execution, Event& event, unsigned count) {
   if (position_ != current_.plan.size()) return current_.plan[position_].option;
   for (unsigned option = 1; option < count; ++option)
     if (!symmetry_.forbids_option(execution.graph(), event.thread, event.index, option))
@@ -165,7 +165,7 @@ unsigned Exhaustive::choose_other(Execution& execution, Event& event, unsigned c
   return 0;
 }
 
-void Exhaustive::added(Execution& execution, const Event& made) {
+void Dpor::added(Execution& execution, const Event& made) {
   Graph& graph = execution.graph();
   const EventId id = graph.id_of(made);
   Event& event = graph.event(id);
@@ -213,7 +213,7 @@ void Exhaustive::added(Execution& execution, const Event& made) {
 }
 
 /// One store's search for reads that could read it.
-struct Exhaustive::Revisit {
+struct Dpor::Revisit {
   const Graph& graph;
   const Location& location;
   const Event& store;
@@ -269,8 +269,8 @@ struct Exhaustive::Revisit {
   }
 };
 
-void Exhaustive::revisit(const Execution& execution, const Event& store, std::uint32_t id,
-                         std::size_t after) {
+void Dpor::revisit(const Execution& execution, const Event& store, std::uint32_t id,
+                   std::size_t after) {
   const Graph& graph = execution.graph();
   const Location& location = graph.location(id);
   const Revisit search{graph, location, store};

@@ -1,4 +1,4 @@
-#include "stress/checker/operations.hpp"
+#include "stress/checker/queue_calls.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -9,13 +9,13 @@ namespace irt::checker {
 
 namespace {
 
-using Kind = Operation::Kind;
+using Kind = QueueCall::Kind;
 
 // Who is told that the frame is over leaves; a push of which nothing has happened by then would be
 // left to the others.
-std::optional<std::string> judge_frame_end(const std::vector<Operation>& operations) {
-  for (const Operation& end : operations)
-    for (const Operation& push : operations)
+std::optional<std::string> judge_frame_end(const std::vector<QueueCall>& operations) {
+  for (const QueueCall& end : operations)
+    for (const QueueCall& push : operations)
       if (end.ends_frame && push.kind == Kind::push && push.phase == end.phase &&
           end.before_return.count[push.thread] <= push.called.count[push.thread])
         return "worker " + std::to_string(end.worker) +
@@ -24,19 +24,19 @@ std::optional<std::string> judge_frame_end(const std::vector<Operation>& operati
   return std::nullopt;
 }
 
-stress::Calls calls_of(const std::vector<Operation>& operations) {
+stress::Calls calls_of(const std::vector<QueueCall>& operations) {
   using Answered = stress::Kind;
   std::vector<stress::Call> calls;
   std::size_t before = 0;
   std::size_t after = 0;
-  for (const Operation& o : operations) {
+  for (const QueueCall& o : operations) {
     calls.push_back({.kind = o.kind == Kind::push ? (o.answered ? Answered::push : Answered::full)
                                                   : (o.answered ? Answered::pop : Answered::empty),
                      .worker = o.worker,
                      .value = o.value,
                      .no_effect = o.no_memory || o.closed});
-    before += o.phase == Operation::Phase::before ? 1 : 0;
-    after += o.phase == Operation::Phase::after ? 1 : 0;
+    before += o.phase == QueueCall::Phase::before ? 1 : 0;
+    after += o.phase == QueueCall::Phase::after ? 1 : 0;
   }
   stress::Calls result(std::move(calls), before, after);
   for (std::size_t b = result.begin(); b < result.end(); ++b)
@@ -48,10 +48,10 @@ stress::Calls calls_of(const std::vector<Operation>& operations) {
 /// A broken promise in words, for readers who see the calls beneath.
 class Sentence {
  public:
-  Sentence(const std::vector<Operation>& operations, const stress::Specification& specification)
+  Sentence(const std::vector<QueueCall>& operations, const stress::Specification& specification)
       : operations_(operations), specification_(specification) {
     const bool timed = std::any_of(operations.begin(), operations.end(),
-                                   [](const Operation& o) { return o.called_at != 0; });
+                                   [](const QueueCall& o) { return o.called_at != 0; });
     order_ = timed ? "real time" : "happens-before";
   }
 
@@ -93,7 +93,7 @@ class Sentence {
   }
 
  private:
-  [[nodiscard]] const Operation& at(const stress::Breach& breach, std::size_t i) const {
+  [[nodiscard]] const QueueCall& at(const stress::Breach& breach, std::size_t i) const {
     return operations_[breach.calls[i]];
   }
   [[nodiscard]] std::string value(const stress::Breach& breach, std::size_t i) const {
@@ -104,13 +104,13 @@ class Sentence {
   }
 
   /// "thread 1's second pop", "a pop after the threads".
-  [[nodiscard]] std::string who(const Operation& o) const {
+  [[nodiscard]] std::string who(const QueueCall& o) const {
     const std::string name = o.kind == Kind::push ? "push" : "pop";
-    if (o.phase == Operation::Phase::before) return "a " + name + " before the threads";
-    if (o.phase == Operation::Phase::after) return "a " + name + " after the threads";
+    if (o.phase == QueueCall::Phase::before) return "a " + name + " before the threads";
+    if (o.phase == QueueCall::Phase::after) return "a " + name + " after the threads";
     std::size_t number = 0;
     std::size_t all = 0;
-    for (const Operation& other : operations_) {
+    for (const QueueCall& other : operations_) {
       if (other.thread != o.thread || other.kind != o.kind || other.phase != o.phase) continue;
       ++all;
       number += other.number <= o.number ? 1 : 0;
@@ -119,7 +119,7 @@ class Sentence {
            (all == 1 ? name : name + " number " + std::to_string(number));
   }
 
-  [[nodiscard]] std::string refused(const Operation& push) const {
+  [[nodiscard]] std::string refused(const QueueCall& push) const {
     const std::string text = who(push) + " " + refusal(push);
     if (!specification_.claims().bounded) return text + ", and the queue claims no bound";
     const std::string places = std::to_string(specification_.capacity());
@@ -146,25 +146,25 @@ class Sentence {
     }
   }
 
-  const std::vector<Operation>& operations_;
+  const std::vector<QueueCall>& operations_;
   const stress::Specification& specification_;
   std::string order_;
 };
 
 }  // namespace
 
-std::string refusal(const Operation& push) {
+std::string refusal(const QueueCall& push) {
   return "(of " + std::to_string(push.value) + ") answered \"full\"";
 }
 
-bool precedes(const Operation& a, const Operation& b) {
+bool precedes(const QueueCall& a, const QueueCall& b) {
   if (a.phase != b.phase) return a.phase < b.phase;
   if (a.thread == b.thread) return a.number < b.number;
   if (b.called_at != 0 && a.returned_at != 0 && a.returned_at < b.called_at) return true;
   return b.called.count[a.thread] >= a.returned;
 }
 
-std::string to_string(const Operation& o) {
+std::string to_string(const QueueCall& o) {
   if (o.kind == Kind::push)
     return "push " + std::to_string(o.value) +
            (!o.finished   ? " ..."
@@ -178,7 +178,7 @@ std::string to_string(const Operation& o) {
                                     : "empty");
 }
 
-Opinion judge(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity,
+Opinion judge(const std::vector<QueueCall>& operations, const Claims& claims, std::size_t capacity,
               bool emptied) {
   if (auto wrong = judge_frame_end(operations)) return {std::move(wrong)};
   const stress::Specification specification(claims, capacity);

@@ -1,8 +1,8 @@
 /// A history ordered by happens-before, and the question whether a queue could have made it.
 ///
-/// Operation a precedes b when a's return happens before b's call. Operations that are not so
-/// ordered overlap, however far apart an explorer happened to run them; so code whose orders are
-/// as weak as they may be is not accused of what only a clock could see.
+/// Call a precedes call b when the return from a happens before b is called. Calls that are not so
+/// ordered overlap, however far apart an explorer happened to run them; so code whose orders are as
+/// weak as they may be is not accused of what only a clock could see.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 namespace irt::checker {
 
 /// One call of a queue.
-struct Operation {
+struct QueueCall {
   enum class Kind : std::uint8_t { push, pop } kind = Kind::push;
   unsigned thread = 0;     ///< who called; the drain and the prologue are the preparing thread's
   unsigned worker = 0;     ///< on whose behalf
@@ -39,13 +39,13 @@ struct Operation {
 };
 
 /// Whether `a` returns before `b` is called, as far as the code can know or a clock has seen.
-bool precedes(const Operation& a, const Operation& b);
+bool precedes(const QueueCall& a, const QueueCall& b);
 
 /// "push 3 -> full", "pop -> 3", "pop -> empty".
-std::string to_string(const Operation& operation);
+std::string to_string(const QueueCall& operation);
 
 /// How the judge's sentence names a push that was told "full" wrongly.
-std::string refusal(const Operation& push);
+std::string refusal(const QueueCall& push);
 
 struct Opinion {
   std::optional<std::string> wrong;  ///< one sentence; none: as claimed
@@ -55,7 +55,7 @@ struct Opinion {
 /// What is wrong with `operations` by the claims, if anything, as stress/history/specification.hpp
 /// has it. All operations are finished, the last ones empty the queue if it is `emptied`; phases
 /// follow each other.
-Opinion judge(const std::vector<Operation>& operations, const Claims& claims, std::size_t capacity,
+Opinion judge(const std::vector<QueueCall>& operations, const Claims& claims, std::size_t capacity,
               bool emptied = true);
 
 }  // namespace irt::checker
