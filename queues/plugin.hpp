@@ -13,8 +13,9 @@
 
 namespace irt {
 
-/// To be raised by whoever changes `PluginDescriptor`, `QueueEntry`, `Claims` or `AnyWorkQueue`.
-inline constexpr std::uint32_t plugin_abi_version = 3;
+/// To be raised by whoever changes `PluginDescriptor`, `QueueEntry`,
+/// `Methods`, `Claims` or `AnyWorkQueue`.
+inline constexpr std::uint32_t plugin_abi_version = 4;
 
 /// "iRTqueue", read as a little-endian number.
 inline constexpr std::uint64_t plugin_magic = 0x65756575'71545269U;

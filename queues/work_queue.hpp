@@ -24,17 +24,39 @@
 /// `capacity` is a hint in elements: a bounded queue holds at least that many, an unbounded one
 /// may ignore it.
 ///
+/// Further methods are optional, and found by their names. Their semantics are those of the
+/// standard's proposal P0260R20 where it has them (`queues/conqueue.hpp` takes its queues as they
+/// are).
+///
+///       bool pop_wait(unsigned worker, T& task);  // waits; false once closed and nothing inside
+///       PopStatus pop_wait(unsigned worker, T& task, Deadline deadline);
+///       void close();                             // by any thread, as often as it likes
+///
+/// Who has one waiting pop has `close`. From then on a push answers false, which says nothing about
+/// places; elements inside can still be popped, and who waits is told. A push that overlaps with
+/// `close` may be accepted, and then no waiting pop may answer that the queue is closed and empty
+/// before this element is out. What is pushed wakes one of those that wait, unless somebody else
+/// pops it. A waiting pop may block other calls in no other way than `pop` may.
+///
+///       std::size_t push_bulk(unsigned worker, std::span<const T> tasks);  // how many were taken
+///       std::size_t pop_bulk(unsigned worker, std::span<T> tasks);         // how many were found
+///
+/// As so many calls of `push` or `pop` one after the other, in the order of the span, up to the
+/// first that answers false. `pop_bulk` may also stop earlier, but not before the first element.
+///
 /// Elements are trivially copyable words of at most eight bytes. Construction and destruction are
 /// single-threaded; a queue may be destroyed while it still holds elements.
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -164,6 +186,23 @@ struct Claims {
   }
 };
 
+/// How a pop with a deadline ended.
+enum class PopStatus : std::uint8_t {
+  success,    ///< with an element
+  closed,     ///< the queue is closed, and nothing was inside
+  timed_out,  ///< nothing was found before the deadline, which has passed
+};
+
+/// Until when a pop waits, at most.
+using Deadline = std::chrono::steady_clock::time_point;
+
+/// Which of the optional methods a queue has.
+struct Methods {
+  bool pop_wait = false;  ///< and `close`
+  bool deadline = false;  ///< `pop_wait` takes one
+  bool bulk = false;      ///< `push_bulk` and `pop_bulk`
+};
+
 // clang-format 14 does not know how to lay out a concept.
 // clang-format off
 
@@ -184,9 +223,51 @@ template <template <class> class Q>
 concept WorkQueue =
     WorkQueueOf<Q<void*>, void*> && WorkQueueOf<Q<std::uint64_t>, std::uint64_t>;
 
+/// `Q` has a pop that waits, and can be closed.
+template <class Q, class T>
+concept PopsWaiting = requires(Q& queue, unsigned worker, T& task) {
+  { queue.pop_wait(worker, task) } -> std::same_as<bool>;
+  { queue.close() } -> std::same_as<void>;
+};
+
+/// The waiting pop of `Q` takes a deadline as well.
+template <class Q, class T>
+concept PopsUntil = PopsWaiting<Q, T> &&
+    requires(Q& queue, unsigned worker, T& task, Deadline deadline) {
+      { queue.pop_wait(worker, task, deadline) } -> std::same_as<PopStatus>;
+    };
+
+/// `Q` takes and gives several elements in a call.
+template <class Q, class T>
+concept HasBulk = requires(Q& queue, unsigned worker, std::span<const T> in, std::span<T> out) {
+  { queue.push_bulk(worker, in) } -> std::same_as<std::size_t>;
+  { queue.pop_bulk(worker, out) } -> std::same_as<std::size_t>;
+};
+
+/// `Q` has nothing that looks like an optional method and is none.
+template <class Q, class T>
+concept HasWholeMethods =
+    (PopsWaiting<Q, T> ||
+     !(requires(Q& queue, unsigned worker, T& task) { queue.pop_wait(worker, task); } ||
+       requires(Q& queue) { queue.close(); })) &&
+    (PopsUntil<Q, T> ||
+     !requires(Q& queue, unsigned worker, T& task, Deadline deadline) {
+       queue.pop_wait(worker, task, deadline);
+     }) &&
+    (HasBulk<Q, T> ||
+     !(requires(Q& queue, unsigned worker, std::span<const T> in) { queue.push_bulk(worker, in); } ||
+       requires(Q& queue, unsigned worker, std::span<T> out) { queue.pop_bulk(worker, out); }));
+
 // clang-format on
 
-/// The type-erased face of a queue of `T`: one virtual call per operation.
+/// The optional methods of `Q`.
+template <class Q, class T>
+constexpr Methods methods_of() {
+  return {.pop_wait = PopsWaiting<Q, T>, .deadline = PopsUntil<Q, T>, .bulk = HasBulk<Q, T>};
+}
+
+/// The type-erased face of a queue of `T`: one virtual call per operation. What a queue does not
+/// have (`QueueEntry::methods`) throws std::logic_error.
 template <class T>
 class AnyWorkQueue {
  public:
@@ -200,6 +281,25 @@ class AnyWorkQueue {
 
   /// Takes a task on behalf of `worker`. False for *empty*, in the sense of the queue's claims.
   virtual bool pop(unsigned worker, T& task) = 0;
+
+  /// The same, waiting for a task. False where the queue is closed and nothing is inside.
+  virtual bool pop_wait(unsigned /*worker*/, T& /*task*/) { lacks("pop_wait"); }
+  virtual PopStatus pop_wait(unsigned /*worker*/, T& /*task*/, Deadline /*deadline*/) {
+    lacks("pop_wait with a deadline");
+  }
+  /// Ends all waiting for good.
+  virtual void close() { lacks("close"); }
+
+  /// How many of `tasks`, from the first on, were taken; and found.
+  virtual std::size_t push_bulk(unsigned /*worker*/, std::span<const T> /*tasks*/) {
+    lacks("push_bulk");
+  }
+  virtual std::size_t pop_bulk(unsigned /*worker*/, std::span<T> /*tasks*/) { lacks("pop_bulk"); }
+
+ private:
+  [[noreturn]] static void lacks(const char* method) {
+    throw std::logic_error(std::string("this queue has no ") + method);
+  }
 };
 
 /// The face of the concrete queue `Q`.
@@ -211,6 +311,28 @@ class WorkQueueFace final : public AnyWorkQueue<T> {
   bool push(unsigned worker, T task) override { return queue_.push(worker, task); }
   bool pop(unsigned worker, T& task) override { return queue_.pop(worker, task); }
 
+  bool pop_wait(unsigned worker, T& task) override {
+    if constexpr (PopsWaiting<Q, T>) return queue_.pop_wait(worker, task);
+    return AnyWorkQueue<T>::pop_wait(worker, task);
+  }
+  PopStatus pop_wait(unsigned worker, T& task, Deadline deadline) override {
+    if constexpr (PopsUntil<Q, T>) return queue_.pop_wait(worker, task, deadline);
+    return AnyWorkQueue<T>::pop_wait(worker, task, deadline);
+  }
+  void close() override {
+    if constexpr (PopsWaiting<Q, T>) return queue_.close();
+    AnyWorkQueue<T>::close();
+  }
+
+  std::size_t push_bulk(unsigned worker, std::span<const T> tasks) override {
+    if constexpr (HasBulk<Q, T>) return queue_.push_bulk(worker, tasks);
+    return AnyWorkQueue<T>::push_bulk(worker, tasks);
+  }
+  std::size_t pop_bulk(unsigned worker, std::span<T> tasks) override {
+    if constexpr (HasBulk<Q, T>) return queue_.pop_bulk(worker, tasks);
+    return AnyWorkQueue<T>::pop_bulk(worker, tasks);
+  }
+
  private:
   Q queue_;
 };
@@ -220,6 +342,7 @@ struct QueueEntry {
   std::string_view name;     ///< on the command line: lower case, words joined by '-'
   std::string_view summary;  ///< one line
   Claims claims;
+  Methods methods;  ///< the optional ones that it has
   std::unique_ptr<AnyWorkQueue<void*>> (*make_task_queue)(unsigned workers, std::size_t capacity);
   std::unique_ptr<AnyWorkQueue<std::uint64_t>> (*make_word_queue)(unsigned workers,
                                                                   std::size_t capacity);
@@ -241,10 +364,15 @@ constexpr QueueEntry queue_entry(std::string_view name) {
   static_assert(WorkQueue<Q>,
                 "this class template is no work queue: queues/work_queue.hpp says what "
                 "it must have (constructor, push, pop, claims, summary)");
+  static_assert(HasWholeMethods<Q<void*>, void*>,
+                "pop_wait returns bool, with a deadline irt::PopStatus, and comes with "
+                "void close(); push_bulk and pop_bulk return std::size_t and come together: "
+                "queues/work_queue.hpp says how they are declared");
   return {
       .name = name,
       .summary = Q<void*>::summary,
       .claims = Q<void*>::claims,
+      .methods = methods_of<Q<void*>, void*>(),
       .make_task_queue = [](unsigned workers,
                             std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<void*>> {
         require_workers<Q<void*>>(workers);

@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <deque>
 #include <new>
+#include <span>
 #include <string_view>
 
 #include "queues/cache_line.hpp"
@@ -41,6 +42,16 @@ class MoodycamelQueue {
 
   /// Takes a task; false if it sees none. Lock-free.
   bool pop(unsigned /*worker*/, T& task) { return queue_.try_dequeue(task); }
+
+  /// Adds all of `tasks`. Lock-free.
+  std::size_t push_bulk(unsigned /*worker*/, std::span<const T> tasks) {
+    return queue_.enqueue_bulk(tasks.data(), tasks.size()) ? tasks.size() : 0;
+  }
+
+  /// Takes as many tasks as it sees. Lock-free.
+  std::size_t pop_bulk(unsigned /*worker*/, std::span<T> tasks) {
+    return queue_.try_dequeue_bulk(tasks.data(), tasks.size());
+  }
 
  private:
   moodycamel::ConcurrentQueue<T> queue_;
@@ -67,6 +78,17 @@ class MoodycamelTokenQueue {
 
   /// Takes a task; false if it sees none. Lock-free.
   bool pop(unsigned worker, T& task) { return queue_.try_dequeue(tokens_[worker].consumer, task); }
+
+  /// Adds all of `tasks`. Lock-free.
+  std::size_t push_bulk(unsigned worker, std::span<const T> tasks) {
+    return queue_.enqueue_bulk(tokens_[worker].producer, tasks.data(), tasks.size()) ? tasks.size()
+                                                                                     : 0;
+  }
+
+  /// Takes as many tasks as it sees. Lock-free.
+  std::size_t pop_bulk(unsigned worker, std::span<T> tasks) {
+    return queue_.try_dequeue_bulk(tokens_[worker].consumer, tasks.data(), tasks.size());
+  }
 
  private:
   using Queue = moodycamel::ConcurrentQueue<T>;

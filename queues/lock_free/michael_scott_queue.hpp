@@ -28,6 +28,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <span>
 #include <string_view>
 
 #include "queues/cache_line.hpp"
@@ -60,22 +61,18 @@ class MichaelScottList {
   /// Adds `task` at the back. Lock-free. Always true.
   bool push(unsigned worker, T task) {
     Node* node = new Node{task};
-    for (;;) {
-      Node* last = hazards_.protect(worker, 0, tail_);
-      // (1) acquire: pairs with (2), so that a node we move `tail_` to is whole for who reads it
-      // there
-      Node* next = last->next.load(std::memory_order_acquire);
-      if (next != nullptr) {
-        move_tail(last, next);
-        continue;
-      }
-      // (2) release: pairs with (1) and (3). relaxed on failure: nothing was read but a change
-      if (last->next.compare_exchange_strong(next, node, std::memory_order_release,
-                                             std::memory_order_relaxed)) {
-        move_tail(last, node);
-        return true;
-      }
-    }
+    link(worker, node, node);
+    return true;
+  }
+
+  /// Adds all of `tasks`, one behind the other, by one compare-and-swap. Lock-free.
+  std::size_t push_bulk(unsigned worker, std::span<const T> tasks) {
+    if (tasks.empty()) return 0;
+    Chain chain;
+    for (const T& task : tasks) chain.append(new Node{task});
+    link(worker, chain.first, chain.last);
+    chain.first = nullptr;
+    return tasks.size();
   }
 
   /// Takes the oldest task; false if it sees none. Lock-free.
@@ -107,11 +104,60 @@ class MichaelScottList {
     }
   }
 
+  /// As so many pops. Lock-free.
+  std::size_t pop_bulk(unsigned worker, std::span<T> tasks) {
+    std::size_t count = 0;
+    while (count < tasks.size() && pop(worker, tasks[count])) ++count;
+    return count;
+  }
+
  private:
   struct Node {
     T task{};
     std::atomic<Node*> next{nullptr};
   };
+
+  /// Nodes that nobody else sees yet.
+  struct Chain {
+    ~Chain() {
+      while (first != nullptr) {
+        // relaxed: as below
+        Node* next = first->next.load(std::memory_order_relaxed);
+        delete first;
+        first = next;
+      }
+    }
+    void append(Node* node) {
+      if (first == nullptr) {
+        first = node;
+      } else {
+        last->next.store(node, std::memory_order_relaxed);  // relaxed: (2) publishes all of them
+      }
+      last = node;
+    }
+    Node* first = nullptr;
+    Node* last = nullptr;
+  };
+
+  // Puts the nodes from `first` to `end` behind the last one.
+  void link(unsigned worker, Node* first, Node* end) {
+    for (;;) {
+      Node* last = hazards_.protect(worker, 0, tail_);
+      // (1) acquire: pairs with (2), so that a node we move `tail_` to is whole for who reads it
+      // there
+      Node* next = last->next.load(std::memory_order_acquire);
+      if (next != nullptr) {
+        move_tail(last, next);
+        continue;
+      }
+      // (2) release: pairs with (1) and (3). relaxed on failure: nothing was read but a change
+      if (last->next.compare_exchange_strong(next, first, std::memory_order_release,
+                                             std::memory_order_relaxed)) {
+        move_tail(last, end);
+        return;
+      }
+    }
+  }
 
   void move_tail(Node* from, Node* to) {
     // (5) release: pairs with the load in protect() of hazard_pointers.hpp, so that `to` is whole

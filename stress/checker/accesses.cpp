@@ -332,8 +332,10 @@ bool Execution::chosen(const void* pc) {
 // --- Waiting --------------------------------------------------------------------------------
 
 // Who insists on what a loop reads until it gives up sees no wait of it end.
-bool Execution::times_out(const void* pc) {
-  return me().insists != nullptr || chosen(pc);
+bool Execution::times_out(std::int64_t nanoseconds, const void* pc) {
+  if (me().insists == nullptr && !chosen(pc)) return false;
+  me().waited += nanoseconds;
+  return true;
 }
 
 bool Execution::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) {
@@ -341,7 +343,7 @@ bool Execution::lock(std::uintptr_t address, std::int64_t nanoseconds, const voi
   const bool timed = nanoseconds >= 0;
   if (timed || alone()) {
     if (try_lock(address, pc)) return true;
-    if (timed && (alone() || times_out(pc))) return false;
+    if (timed && (alone() || times_out(nanoseconds, pc))) return false;
   }
   if (alone()) {
     if (phase_ == Phase::endless) conclude_alone(true, pc);
@@ -371,7 +373,10 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
                      const void* pc) {
   if (phase_ != Phase::parallel) {
     if (load({address, 4, Order::acquire, pc}) != expected) return Wake::value_differs;
-    if (nanoseconds >= 0) return Wake::timed_out;
+    if (nanoseconds >= 0) {
+      if (phase_ != Phase::idle) me().waited += nanoseconds;
+      return Wake::timed_out;
+    }
     if (phase_ == Phase::endless) conclude_alone(true, pc);
     report(FindingKind::deadlock, "the only thread sleeps at {0} and nobody is left to wake it",
            {pc});
@@ -383,7 +388,7 @@ Wake Execution::wait(std::uintptr_t address, std::uint32_t expected, std::int64_
         {address, 4, pc, Order::acquire, Order::acquire}, false,
         [](Value) { return Meaning::load; }, [](Value v) { return v; });
   };
-  if (timed && times_out(pc)) {  // who is not woken in time leaves nothing behind
+  if (timed && times_out(nanoseconds, pc)) {  // who is not woken in time leaves nothing behind
     fence(Order::seq_cst, pc);
     return look() == expected ? Wake::timed_out : Wake::value_differs;
   }
@@ -480,7 +485,9 @@ void Execution::note_look_outside() {
 
 std::int64_t Execution::now() {
   note_look_outside();
-  return phase_ != Phase::idle ? ++me().clock_reads * 1000 : 0;
+  if (phase_ == Phase::idle) return 0;
+  ++me().clock_reads;
+  return time();
 }
 
 std::uint64_t Execution::random() {

@@ -22,24 +22,28 @@ std::vector<std::uint64_t> wraps(std::uint64_t range, std::size_t capacity) {
 
 }  // namespace
 
-std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims) {
+std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims,
+                                 const Methods& methods) {
   std::vector<std::string> result;
   std::copy_if(shapes.begin(), shapes.end(), std::back_inserter(result),
-               [&claims](const std::string& text) {
+               [&](const std::string& text) {
                  const Shape shape = parse_shape(text);
-                 return allows(claims, shape) && (claims.bounded || shape.capacity == 0);
+                 return allows(claims, shape) && obstacle(methods, shape).empty() &&
+                        (claims.bounded || shape.capacity == 0);
                });
   return result;
 }
 
-std::vector<std::string> battery(const Claims& claims) {
+std::vector<std::string> battery(const Claims& claims, const Methods& methods) {
   // Pure consumers matter: a thread that has pushed before it pops has synchronised by that. The
   // middle ones are libvsync's for its unbounded queue; S and W stand for its message passing. The
   // long ones empty a page or a batch of retired nodes, or steal, while another thread holds on to
   // a node. Rings are filled and go round at capacities that are powers of two and that are none.
   // Those with an X are destroyed with elements inside: never popped from, full, gone round, more
-  // than a block of 32, after pushes that failed, beside a pop. The last ones go round a ring of
-  // many places between two looks of another thread.
+  // than a block of 32, after pushes that failed, beside a pop. The last of them go round a ring of
+  // many places between two looks of another thread. Then those who wait: each gets an element, or
+  // the queue is closed before, while or after they do; two pushes before the first of two sleepers
+  // has run; some who give up, or only look, beside some who wait. At last several at once.
   static const std::vector<std::string> all{
       "F:D@1",        "F:D@2",        "F:D@3",        "F:D@5",     "E|D",       "E:D|D",
       "ES|WD",        "E;X",          "F;X@1",        "F;X@2",     "F;X@3",     "ED|ED",
@@ -47,8 +51,14 @@ std::vector<std::string> battery(const Claims& claims) {
       "EE|DD",        "E:R|R",        "EE:D|DD",      "EES|D|WD",  "EE:DE|D",   "EE:DD|D",
       "EE|DE;X",      "EE:D|DE;X",    "E:E|D|E",      "EE|D|D",    "EE|DD@3",   "EEE:DE|D@3",
       "EDD|E",        "EEEEE:D|E@5",  "E|E|DD",       "EEE|DD",    "EE:DD|ED",  "E|E|D@2",
-      "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD", "EDED|ED@5", "EDWD|ES@5"};
-  return fitting(all, claims);
+      "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD", "EDED|ED@5", "EDWD|ES@5",
+      "E|P",          "C|P",          "E:P|C",        "EC|P",      "E|C|P",     "C|P|P",
+      "EP|EP",        "EE|PP",        "EE|P|P",       "E|E|PP",    "E|E|P|P",   "EC|P|P",
+      "EC|D|P",       "EE|D|P",       "E|E|P|C",      "EEC|P|P@1", "EE|EP|P",   "C|E",
+      "E|L",          "C|L",          "EE|L|P",       "E|E|L|P",   "EC|L|P",    "EEE|P|L|L",
+      "E|L;X",        "EC|P;X",       "B|D",          "B|G",       "BB:G|D",    "EB|G|D",
+      "B|B|G",        "BG|BG",        "B|P|P",        "BC|P|G",    "B|G;X",     "B:G|E@2"};
+  return fitting(all, claims, methods);
 }
 
 std::vector<std::string> aged_battery(const Claims& claims, bool old) {

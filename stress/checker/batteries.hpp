@@ -8,11 +8,12 @@
 
 namespace irt::checker {
 
-/// Those of `shapes` that a queue with these claims allows.
-std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims);
+/// Those of `shapes` that a queue with these claims and optional methods allows.
+std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims,
+                                 const Methods& methods = {});
 
-/// The shapes that a queue with these claims is tried with, small ones first.
-std::vector<std::string> battery(const Claims& claims);
+/// The shapes that a queue with these claims and optional methods is tried with, small ones first.
+std::vector<std::string> battery(const Claims& claims, const Methods& methods = {});
 
 /// Shapes of an aged queue, and of a large one: counters of 8 and 16 bits wrap in them. Ordered by
 /// capacity, then by age. `old`: of 32 bits instead, which takes minutes.

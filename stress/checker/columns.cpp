@@ -107,7 +107,7 @@ class Columns {
     for (const QueueCall& o : operations_)
       if (o.phase == QueueCall::Phase::during && o.thread == thread && o.first_step <= step_ &&
           begun_.insert(&o).second)
-        line(thread, o.kind == QueueCall::Kind::push ? fmt::format("push {}", o.value) : "pop");
+        line(thread, name_of(o));
   }
 
   void end_calls(unsigned thread) {
@@ -116,10 +116,8 @@ class Columns {
           !begun_.contains(&o) || o.last_step != step_)
         continue;
       const bool push = o.kind == QueueCall::Kind::push;
-      line(thread, "  -> " + (o.no_memory  ? "no memory"
-                              : o.closed   ? "closed"
-                              : o.answered ? push ? "done" : std::to_string(o.value)
-                                           : std::string(push ? "full" : "empty")));
+      const std::string answer = answer_of(o);
+      line(thread, "  -> " + (answer.empty() ? "done" : answer));
       if (!execution_.finding() || execution_.finding()->kind != FindingKind::wrong_outcome)
         continue;
       const bool refused = push && !o.answered && !o.no_memory && !o.closed;

@@ -141,6 +141,9 @@ class Execution final : public virtual_cores::Tenant {
   /// For programs: the time on a clock that all threads read in one order, and that makes nothing
   /// they did before visible to the others. From 1 on; 0 before and after the threads.
   std::uint64_t tick();
+  /// The time on the clock that the code of the thread in progress sees, in nanoseconds. It passes
+  /// with each look, and where a wait with a time-out is in vain.
+  [[nodiscard]] std::int64_t time() { return me().clock_reads * 1000 + me().waited; }
   /// Allocations of `thread` that have failed by choice.
   [[nodiscard]] unsigned failed_allocations(unsigned thread) const {
     return states_[thread].failed_allocations;
@@ -249,6 +252,7 @@ class Execution final : public virtual_cores::Tenant {
     EventId newest_read = 0;     ///< of other threads' stores
     std::size_t news_since = 0;  ///< events of its own when it read that
     std::int64_t clock_reads = 0;
+    std::int64_t waited = 0;  ///< nanoseconds that passed while it waited in vain
     std::uint64_t draws = 0;  ///< random numbers it got
     unsigned failed_allocations = 0;
     std::vector<Visit> visits;
@@ -329,7 +333,7 @@ class Execution final : public virtual_cores::Tenant {
   void explain_standstill();
   unsigned other_choice(unsigned count, const void* pc);
   bool chosen(const void* pc);
-  bool times_out(const void* pc);
+  bool times_out(std::int64_t nanoseconds, const void* pc);
   void record(const Event& event, std::size_t choice);
   ThreadState& me() { return states_[cores_.current()]; }
   bool observed() const { return phase_ > Phase::ageing; }

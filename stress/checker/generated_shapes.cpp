@@ -5,8 +5,8 @@
 
 namespace irt::checker {
 
-GeneratedShapes::GeneratedShapes(const Claims& claims, std::uint64_t seed)
-    : claims_(claims), random_(seed) {}
+GeneratedShapes::GeneratedShapes(const Claims& claims, const Methods& methods, std::uint64_t seed)
+    : claims_(claims), methods_(methods), random_(seed) {}
 
 Shape GeneratedShapes::next() {
   constexpr std::uint64_t shapes_per_size = 25;
@@ -17,7 +17,9 @@ Shape GeneratedShapes::next() {
         smallest + count_ / shapes_per_size, std::uint64_t{largest} + count_ / 1000));
     // Large ones alone would leave out what two threads can do.
     Shape shape = draw(size - (size > smallest ? random_.below(size - smallest) / 2 : 0));
-    if (!allows(claims_, shape) || !drawn_.insert(to_string(shape)).second) continue;
+    if (!allows(claims_, shape) || may_starve(shape, claims_.bounded) ||
+        !drawn_.insert(to_string(shape)).second)
+      continue;
     ++count_;
     return shape;
   }
@@ -46,8 +48,29 @@ Shape GeneratedShapes::draw(unsigned steps) {
     if (again.find_first_of("SW") == std::string::npos) again += again;
   }
   add_size_and_age(shape);
+  add_methods(shape);
   if (one_in(4)) shape.epilogue = "X";
   return shape;
+}
+
+void GeneratedShapes::add_methods(Shape& shape) {
+  if (methods_.bulk && one_in(2))
+    for (std::string& word : shape.threads)
+      for (char& letter : word)
+        if (one_in(3)) letter = letter == 'E' ? 'B' : letter == 'D' ? 'G' : letter;
+  if (!methods_.pop_wait || one_in(4)) return;
+  for (std::string& word : shape.threads)
+    for (char& letter : word)
+      if (letter == 'D' && !one_in(3)) letter = methods_.deadline && one_in(3) ? 'L' : 'P';
+  if (may_starve(shape, claims_.bounded) || one_in(4)) add_closing(shape);
+}
+
+// By somebody who does not wait before.
+void GeneratedShapes::add_closing(Shape& shape) {
+  std::string& word =
+      shape.threads[random_.below(static_cast<std::uint32_t>(shape.threads.size()))];
+  const std::size_t wait = std::min(word.find_first_of("PW"), word.size());
+  word.insert(random_.below(static_cast<std::uint32_t>(wait) + 1), "C");
 }
 
 std::string GeneratedShapes::word(unsigned thread, unsigned steps) {

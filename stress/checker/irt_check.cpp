@@ -13,7 +13,6 @@
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/mutants_check.hpp"
-#include "stress/checker/parking.hpp"
 #include "stress/checker/parts.hpp"
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/scenario_search.hpp"
@@ -171,8 +170,7 @@ int run_scenario(const CommandLine& line, const irt::QueueEntry& entry,
   if (!irt::stress::has_elements(entry.claims))
     throw irt::UsageError(fmt::format(
         "queue {} leaves too many bits of its elements unused for a scenario", entry.name));
-  const irt::stress::Scenario& scenario =
-      checker::scenario_at(line.scenario, checker::pop_waits_until_closed(entry, module));
+  const irt::stress::Scenario& scenario = checker::scenario_at(line.scenario, entry);
   if (!line.replay.empty()) {
     const std::string report =
         checker::replay(entry, module, scenario, settings, line.replay, line.dot_file);
@@ -215,6 +213,17 @@ int run(const CommandLine& line) {
                       "a third thread would have nothing to do; --threads 2, or a --shape",
                       line.threads, entry.name));
     settings.shapes.push_back(shape);
+  }
+  for (const std::string& text : settings.shapes) {
+    const checker::Shape shape = checker::parse_shape(text);
+    if (const std::string why = checker::obstacle(entry.methods, shape); !why.empty())
+      throw irt::UsageError(fmt::format("shape \"{}\", queue {}: {}", text, entry.name, why));
+    if (checker::may_starve(shape, entry.claims.bounded))
+      throw irt::UsageError(fmt::format(
+          "shape \"{}\": a waiting pop (P) may be left without an element whatever the queue does; "
+          "a shape pushes as many as are popped, for certain and with room for them, or closes the "
+          "queue (C) before anybody waits",
+          text));
   }
   std::string command = "irt check";
   for (const std::string& plugin : line.plugins) command += " --plugin " + plugin;

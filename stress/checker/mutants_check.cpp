@@ -68,11 +68,8 @@ std::vector<stress::Mutant> mutants_of(virtual_cores::Module& module) {
 std::vector<std::string> shapes_for(const stress::Mutant& mutant, std::optional<Search> search) {
   // Large rings are tried beside the aged ones, which a search that is named leaves out.
   if (search && mutant.id == "m27") return {"F:D@256"};
-  // A pop that waits for a task ends only when the queue is closed or the frame is over.
-  static const std::map<std::string_view, std::vector<std::string>> special{
-      {"m20", {"E|E|D|D;C"}}, {"m21", {"EE|D|D;C"}}, {"m23", {"E|D;C"}},
-      {"m25", {"C|D"}},       {"m46", {"E:T|T"}},
-  };
+  // Only one of them ends frames.
+  static const std::map<std::string_view, std::vector<std::string>> special{{"m46", {"E:T|T"}}};
   const auto shapes = special.find(mutant.id);
   return shapes == special.end() ? std::vector<std::string>{} : shapes->second;
 }

@@ -1,24 +1,14 @@
 #include "stress/checker/parking.hpp"
 
-#include <memory>
-#include <optional>
-
-#include "stress/checker/batteries.hpp"
 #include "stress/checker/checker.hpp"
-#include "stress/scenarios/core.hpp"
 
 namespace irt::checker {
 
-namespace {
-
-/// What a thread alone finds when it pops from an empty queue, closed before or not.
-std::optional<FindingKind> found_alone(const QueueEntry& entry, virtual_cores::Module& module,
-                                       bool closes) {
+bool pop_waits(const QueueEntry& entry, virtual_cores::Module& module) {
   Program program;
   program.module = &module;
-  program.prepare = [&entry, closes] {
+  program.prepare = [&entry] {
     AnyWorkQueue<std::uint64_t>* queue = entry.make_word_queue(1, 1).release();
-    if (closes) queue->push(0, stress::close_word);
     std::uint64_t value = 0;
     queue->pop(0, value);
     delete queue;
@@ -30,22 +20,8 @@ std::optional<FindingKind> found_alone(const QueueEntry& entry, virtual_cores::M
   options.limits.races = false;
   options.limits.leaks = false;
   const Result result = check(program, options);
-  return result.finding ? std::optional(result.finding->kind) : std::nullopt;
-}
-
-}  // namespace
-
-bool pop_waits_until_closed(const QueueEntry& entry, virtual_cores::Module& module) {
-  const auto open = found_alone(entry, module, false);
-  return (open == FindingKind::deadlock || open == FindingKind::livelock) &&
-         !found_alone(entry, module, true);
-}
-
-std::vector<std::string> parking_battery(const Claims& claims) {
-  return fitting({"E|D;C", "C|D", "E:D|C", "ED|ED;C", "EE|DD;C", "E|E|DD;C", "EE|D|D;C", "E|C|D",
-                  "C|D|D", "E|E|D|D;C", "EC|D|D", "ED|E|D;C", "EE|ED|DD;C", "EEE|D|DD;C", "E;X",
-                  "E|E;X", "EE|D;X", "EEC|D;X"},
-                 claims);
+  return result.finding && (result.finding->kind == FindingKind::deadlock ||
+                            result.finding->kind == FindingKind::livelock);
 }
 
 }  // namespace irt::checker

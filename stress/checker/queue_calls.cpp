@@ -24,17 +24,31 @@ std::optional<std::string> judge_frame_end(const std::vector<QueueCall>& operati
   return std::nullopt;
 }
 
-stress::Calls calls_of(const std::vector<QueueCall>& operations) {
+stress::Kind kind_of(const QueueCall& o) {
   using Answered = stress::Kind;
+  switch (o.kind) {
+    case Kind::push:
+      return o.answered ? Answered::push : Answered::full;
+    case Kind::pop:
+      return o.answered    ? Answered::pop
+             : o.closed    ? Answered::closed
+             : o.timed_out ? Answered::timed_out
+                           : Answered::empty;
+    case Kind::close:
+      break;
+  }
+  return Answered::close;
+}
+
+stress::Calls calls_of(const std::vector<QueueCall>& operations) {
   std::vector<stress::Call> calls;
   std::size_t before = 0;
   std::size_t after = 0;
   for (const QueueCall& o : operations) {
-    calls.push_back({.kind = o.kind == Kind::push ? (o.answered ? Answered::push : Answered::full)
-                                                  : (o.answered ? Answered::pop : Answered::empty),
+    calls.push_back({.kind = kind_of(o),
                      .worker = o.worker,
                      .value = o.value,
-                     .no_effect = o.no_memory || o.closed});
+                     .no_effect = o.no_memory || o.untried});
     before += o.phase == QueueCall::Phase::before ? 1 : 0;
     after += o.phase == QueueCall::Phase::after ? 1 : 0;
   }
@@ -83,6 +97,8 @@ class Sentence {
                std::to_string(specification_.overtakes()) + " older ones";
       case Pattern::full:
         return refused(at(breach, 0));
+      case Pattern::closed:
+        return end(breach);
       case Pattern::witness:
         if (alone)
           return "the elements left in order, but in no order of the operations that agrees with " +
@@ -105,7 +121,7 @@ class Sentence {
 
   /// "thread 1's second pop", "a pop after the threads".
   [[nodiscard]] std::string who(const QueueCall& o) const {
-    const std::string name = o.kind == Kind::push ? "push" : "pop";
+    const std::string name = o.kind == Kind::push ? "push" : name_of(o);
     if (o.phase == QueueCall::Phase::before) return "a " + name + " before the threads";
     if (o.phase == QueueCall::Phase::after) return "a " + name + " after the threads";
     std::size_t number = 0;
@@ -130,8 +146,20 @@ class Sentence {
            " elements inside, and no call in flight explains it";
   }
 
+  [[nodiscard]] std::string end(const stress::Breach& breach) const {
+    const QueueCall& o = at(breach, 0);
+    const std::string after = " although the queue had been closed by then";
+    if (o.kind == Kind::push)
+      return who(o) + " (of " + std::to_string(o.value) + ") was accepted" + after;
+    if (o.timed_out) return who(o) + " gave up at its deadline" + after;
+    const std::string text = who(o) + " answered \"closed\"";
+    if (breach.calls.size() == 1) return text + ", and nobody had called close";
+    return text + ", and " + value(breach, 1) + ", which was accepted, " +
+           (breach.calls[1] == breach.calls[2] ? "is left behind" : "came out afterwards");
+  }
+
   [[nodiscard]] std::string found_nothing(const stress::Breach& breach) const {
-    const std::string text = who(at(breach, 0)) + " answered \"empty\"";
+    const std::string text = who(at(breach, 0)) + " answered \"" + answer_of(at(breach, 0)) + "\"";
     if (breach.calls.size() < 3)
       return text + ", and in no order of the operations that agrees with " + order_ +
              " was the queue empty then";
@@ -164,18 +192,31 @@ bool precedes(const QueueCall& a, const QueueCall& b) {
   return b.called.count[a.thread] >= a.returned;
 }
 
+std::string name_of(const QueueCall& o) {
+  switch (o.kind) {
+    case Kind::push:
+      return "push " + std::to_string(o.value);
+    case Kind::pop:
+      return o.waits ? "pop_wait" : "pop";
+    case Kind::close:
+      break;
+  }
+  return "close";
+}
+
+std::string answer_of(const QueueCall& o) {
+  if (o.no_memory) return "no memory";
+  if (o.untried) return "not tried";
+  if (o.closed) return "closed";
+  if (o.timed_out) return "timed out";
+  if (o.kind == Kind::pop) return o.answered ? std::to_string(o.value) : "empty";
+  return o.answered ? "" : "full";
+}
+
 std::string to_string(const QueueCall& o) {
-  if (o.kind == Kind::push)
-    return "push " + std::to_string(o.value) +
-           (!o.finished   ? " ..."
-            : o.no_memory ? " -> no memory"
-            : o.closed    ? " -> closed"
-            : o.answered  ? ""
-                          : " -> full");
-  return "pop -> " + (!o.finished   ? "..."
-                      : o.no_memory ? "no memory"
-                      : o.answered  ? std::to_string(o.value)
-                                    : "empty");
+  if (!o.finished) return name_of(o) + (o.kind == Kind::pop ? " -> ..." : " ...");
+  const std::string answer = answer_of(o);
+  return name_of(o) + (answer.empty() ? "" : " -> " + answer);
 }
 
 Opinion judge(const std::vector<QueueCall>& operations, const Claims& claims, std::size_t capacity,

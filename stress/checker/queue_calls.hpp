@@ -18,7 +18,8 @@ namespace irt::checker {
 
 /// One call of a queue.
 struct QueueCall {
-  enum class Kind : std::uint8_t { push, pop } kind = Kind::push;
+  enum class Kind : std::uint8_t { push, pop, close } kind = Kind::push;
+  bool waits = false;      ///< a waiting pop
   unsigned thread = 0;     ///< who called; the drain and the prologue are the preparing thread's
   unsigned worker = 0;     ///< on whose behalf
   std::size_t number = 0;  ///< of the call, as the execution made them
@@ -26,7 +27,11 @@ struct QueueCall {
   bool answered = false;   ///< what the call returned
   bool finished = false;   ///< whether it returned at all
   bool no_memory = false;  ///< it had no effect, since there was no memory, and said so
-  bool closed = false;     ///< a push that was refused, as it may be once the queue is closed
+  bool untried = false;    ///< of a call for several elements: it did not come to this one
+  bool timed_out = false;  ///< a waiting pop that gave up at its deadline
+  /// A waiting pop that was told so; or a push that was refused, as it may be once the queue is
+  /// closed.
+  bool closed = false;
   std::uint64_t value = 0;
   Clock called{};                 ///< what happens before the call
   bool ends_frame = false;        ///< it answered that there will be no more tasks ...
@@ -41,6 +46,10 @@ struct QueueCall {
 /// Whether `a` returns before `b` is called, as far as the code can know or a clock has seen.
 bool precedes(const QueueCall& a, const QueueCall& b);
 
+/// "push 3", "pop", "pop_wait", "close".
+std::string name_of(const QueueCall& operation);
+/// What it answered: "full", "3", "empty", "closed"; empty for what was done.
+std::string answer_of(const QueueCall& operation);
 /// "push 3 -> full", "pop -> 3", "pop -> empty".
 std::string to_string(const QueueCall& operation);
 

@@ -62,7 +62,7 @@ class QueueCheck {
       : entry_(entry),
         module_(module),
         settings_(as_seen(settings, module)),
-        shapes_(settings.shapes.empty() ? battery(entry.claims) : settings.shapes),
+        shapes_(settings.shapes.empty() ? battery(entry.claims, entry.methods) : settings.shapes),
         searches_(entry, module, settings_, command),
         clocked_(settings.real_time.value_or(false)) {}
 
@@ -85,13 +85,10 @@ class QueueCheck {
                      "): whatever was found might not be its own";
       return std::move(all_);
     }
-    parks_ = pop_waits_until_closed(entry_, module_);
-    if (parks_ && settings_.shapes.empty()) {
-      shapes_ = parking_battery(entry_.claims);
-      if (!settings_.quiet)
-        fmt::print("pop waits for an element until {:#x} was pushed: its shapes close the queue\n",
-                   stress::close_word);
-    }
+    if (!settings_.quiet && pop_waits(entry_, module_))
+      fmt::print(
+          "the pop of an empty queue does not return: the contract has pop_wait, with close(), for "
+          "a pop that waits (queues/work_queue.hpp)\n");
     if (settings_.all_clients != 0)
       search_clients();
     else if (settings_.search)
@@ -116,7 +113,7 @@ class QueueCheck {
     search_all(open, Search::pct, until::pct);
     search_without_memory();
     stop_threads();
-    const bool chosen = !settings_.shapes.empty() || parks_;
+    const bool chosen = !settings_.shapes.empty();
     if (!chosen) search_aged();
     if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
       clocked_ = true;
@@ -135,13 +132,13 @@ class QueueCheck {
 
   /// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
   [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
-    if (!settings_.progress || parks_ || entry_.claims.push == irt::Progress::blocking) return {};
+    if (!settings_.progress || entry_.claims.push == irt::Progress::blocking) return {};
     if (entry_.claims.pop == irt::Progress::blocking)
       return entry_.claims.one_producer() ? std::vector<std::string>{}
                                           : std::vector<std::string>{"EE|EE"};
     std::vector<std::string> result;
     for (const std::string& shape : shapes_)
-      if (shape.find_first_of("WFTX") == std::string::npos) result.push_back(shape);
+      if (shape.find_first_of("WFTXPLC") == std::string::npos) result.push_back(shape);
     return result;
   }
 
@@ -195,12 +192,13 @@ class QueueCheck {
 
   /// One allocation of the threads fails, where they allocate; then the queue is used once more.
   void search_without_memory() {
-    // Who waits for an element that there was no memory for would wait for ever.
-    const bool promised = entry_.claims.survives_no_memory && settings_.no_memory && !parks_;
+    const bool promised = entry_.claims.survives_no_memory && settings_.no_memory;
     if (!promised || settings_.options.limits.failing_allocations != 0) return;
     std::vector<std::string> shapes;
     for (const std::string& shape : shapes_)
-      if (allocating_.contains(shape)) shapes.push_back(shape);
+      // Who waits for an element that there was no memory for would wait for ever.
+      if (allocating_.contains(shape) && shape.find('P') == std::string::npos)
+        shapes.push_back(shape);
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
       Shape used_again = parse_shape(shapes[i]);
       if (settings_.shapes.empty() && used_again.epilogue.empty()) used_again.epilogue = "E";
@@ -329,7 +327,7 @@ class QueueCheck {
 
   void search_generated() {
     if (!entry_.claims.allows_workers(2)) return;
-    GeneratedShapes shapes(entry_.claims, settings_.options.seed);
+    GeneratedShapes shapes(entry_.claims, entry_.methods, settings_.options.seed);
     std::vector<std::string> drawn;
     search_many(
         settings_.generated, {.origin = Origin::generated, .whole = 2'000, .samples = 500},
@@ -414,8 +412,7 @@ class QueueCheck {
   std::vector<std::string> deferred_;  ///< ... comes again
   const std::string no_command_{};
   ShapeSearch searches_;
-  bool parks_ = false;  ///< its pop waits until the queue is closed
-  bool clocked_;        ///< calls are ordered by a clock
+  bool clocked_;  ///< calls are ordered by a clock
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   QueueResult all_;
 };

@@ -1,6 +1,8 @@
 #include "stress/checker/queue_client.hpp"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <new>
 #include <numeric>
 #include <stdexcept>
@@ -22,8 +24,10 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
                          std::shared_ptr<AgedMemory> aged)
     : entry_(entry), shape_(std::move(shape)), capacity_(capacity), real_time_(real_time) {
   if (shape_.capacity != 0) capacity_ = shape_.capacity;
-  if (capacity_ == 0)
-    capacity_ = entry.claims.bounded ? std::max<std::size_t>(most_held(shape_), 1) : 1;
+  if (capacity_ == 0 && entry.claims.bounded)
+    capacity_ =
+        to_string(shape_).find('P') == std::string::npos ? most_held(shape_) : pushes_of(shape_);
+  capacity_ = std::max<std::size_t>(capacity_, 1);
   const auto count = static_cast<unsigned>(shape_.threads.size());
   if (!entry.claims.allows_workers(count))
     throw std::invalid_argument("shape \"" + to_string(shape_) + "\": " + std::to_string(count) +
@@ -34,7 +38,6 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
   program_.module = module;
   program_.prepare = [this, count] {
     operations_.clear();
-    closings_.clear();
     phase_ = QueueCall::Phase::before;
     pushed_.assign(count + 1, 0);
     queue_ = program_.age != 0 ? static_cast<AnyWorkQueue<std::uint64_t>*>(program_.aged->made)
@@ -76,9 +79,9 @@ void QueueClient::cast_roles() {
     }
     return first;
   };
-  if (entry_.claims.one_producer()) pusher_ = first_with("ERTFC").value_or(0);
+  if (entry_.claims.one_producer()) pusher_ = first_with(pushing).value_or(0);
   if (entry_.claims.one_consumer())
-    popper_ = first_with("DRTF").value_or(static_cast<unsigned>(shape_.threads.size()) - 1);
+    popper_ = first_with(popping).value_or(static_cast<unsigned>(shape_.threads.size()) - 1);
 }
 
 // Who pops in the shape empties the queue, until all of them find nothing. Everybody does if nobody
@@ -90,8 +93,9 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
   for (unsigned worker = 0; worker < main; ++worker)
     if (entry_.claims.one_consumer()
             ? worker == popper_
-            : shape_.threads[worker].find_first_of("DRTF") != std::string::npos ||
-                  (worker == popper_ && shape_.prologue.find_first_of("DRTF") != std::string::npos))
+            : shape_.threads[worker].find_first_of(popping) != std::string::npos ||
+                  (worker == popper_ &&
+                   shape_.prologue.find_first_of(popping) != std::string::npos))
       poppers.push_back(worker);
   if (poppers.empty() || entry_.claims.own_queues() ||
       (!entry_.claims.one_consumer() && (stopped || entry_.claims.empty == Answer::this_worker))) {
@@ -121,46 +125,55 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread) {
   const unsigned popper = alone || entry_.claims.one_consumer() ? popper_ : thread;
   const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
   if (alone && (pusher == stopped || popper == stopped)) return;
-  for (const char letter : letters) {
-    switch (letter) {
-      case 'E':
+  for (const char letter : letters) make_step(letter, thread, pusher, popper);
+}
+
+void QueueClient::make_step(char step, unsigned thread, unsigned pusher, unsigned popper) {
+  switch (step) {
+    case 'E':
+      push(thread, pusher);
+      break;
+    case 'D':
+      pop(thread, popper);
+      break;
+    case 'P':
+      pop_wait(thread, popper);
+      break;
+    case 'L':
+      pop_until(thread, popper);
+      break;
+    case 'C':
+      close(thread, pusher);
+      break;
+    case 'B':
+      push_two(thread, pusher);
+      break;
+    case 'G':
+      pop_two(thread, popper);
+      break;
+    case 'R':
+      if (pop(thread, popper)) {
         push(thread, pusher);
-        break;
-      case 'D':
-        pop(thread, popper);
-        break;
-      case 'R':
-        if (pop(thread, popper)) {
-          push(thread, pusher);
-          push(thread, pusher);
-        }
-        break;
-      case 'T':
-        work_until_over(thread, popper);
-        break;
-      case 'F':
-        for (std::size_t i = 0; i < 2 * capacity_ + 2 && push(thread, pusher); ++i) {
-        }
-        pop(thread, popper);
         push(thread, pusher);
-        break;
-      case 'C':
-        closings_.push_back({.thread = thread,
-                             .number = operations_.size(),
-                             .phase = phase_,
-                             .called = Execution::current_execution()->clock_of(thread),
-                             .called_at = real_time_ ? Execution::current_execution()->tick() : 0});
-        queue_->push(pusher, close_word);
-        break;
-      case 'S':
-        Execution::current_execution()->signal();
-        break;
-      case 'W':
-        Execution::current_execution()->await_signal();
-        break;
-      default:
-        break;
-    }
+      }
+      break;
+    case 'T':
+      work_until_over(thread, popper);
+      break;
+    case 'F':
+      for (std::size_t i = 0; i < 2 * capacity_ + 2 && push(thread, pusher); ++i) {
+      }
+      pop(thread, popper);
+      push(thread, pusher);
+      break;
+    case 'S':
+      Execution::current_execution()->signal();
+      break;
+    case 'W':
+      Execution::current_execution()->await_signal();
+      break;
+    default:
+      break;
   }
 }
 
@@ -187,10 +200,94 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
   const std::size_t number = call(QueueCall::Kind::pop, thread, worker);
   std::uint64_t value = 0;
   const bool answered = finish(number, [&] { return queue_->pop(worker, value); });
-  if (!answered) return false;
+  if (answered) note_popped(number, value);
+  return answered;
+}
+
+void QueueClient::note_popped(std::size_t number, std::uint64_t value) {
   operations_[number].value = value;
   take_payload(operations_[number]);
-  return true;
+}
+
+void QueueClient::pop_wait(unsigned thread, unsigned worker) {
+  const std::size_t number = call(QueueCall::Kind::pop, thread, worker);
+  operations_[number].waits = true;
+  std::uint64_t value = 0;
+  if (finish(number, [&] { return queue_->pop_wait(worker, value); }))
+    note_popped(number, value);
+  else
+    operations_[number].closed = !operations_[number].no_memory;
+}
+
+void QueueClient::pop_until(unsigned thread, unsigned worker) {
+  constexpr std::int64_t patience = 10'000;  // nanoseconds of virtual time: ten looks at the clock
+  Execution& execution = *Execution::current_execution();
+  const std::int64_t deadline = execution.time() + patience;
+  const std::size_t number = call(QueueCall::Kind::pop, thread, worker);
+  operations_[number].waits = true;
+  std::uint64_t value = 0;
+  PopStatus status = PopStatus::timed_out;
+  const bool found = finish(number, [&] {
+    status = queue_->pop_wait(worker, value, irt::Deadline(std::chrono::nanoseconds(deadline)));
+    return status == PopStatus::success;
+  });
+  if (found) return note_popped(number, value);
+  operations_[number].closed = status == PopStatus::closed;
+  operations_[number].timed_out = status == PopStatus::timed_out;
+  if (status == PopStatus::timed_out && execution.time() < deadline)
+    execution.report(FindingKind::wrong_outcome,
+                     "thread " + std::to_string(thread) +
+                         "'s pop_wait answered that its deadline has passed, and it had not",
+                     {});
+}
+
+void QueueClient::close(unsigned thread, unsigned worker) {
+  const std::size_t number = call(QueueCall::Kind::close, thread, worker);
+  finish(number, [&] {
+    queue_->close();
+    return true;
+  });
+}
+
+void QueueClient::push_two(unsigned thread, unsigned worker) {
+  std::array<std::size_t, 2> numbers{};
+  std::array<std::uint64_t, 2> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values.at(i) = next_value(thread);
+    numbers.at(i) = call(QueueCall::Kind::push, thread, worker);
+    operations_[numbers.at(i)].value = values.at(i);
+  }
+  std::size_t accepted = 0;
+  finish(numbers.back(), [&] {
+    accepted = queue_->push_bulk(worker, values);
+    return accepted == values.size();
+  });
+  if (accepted > values.size())
+    Execution::current_execution()->report(
+        FindingKind::wrong_outcome, "push_bulk says that it took more elements than it was given",
+        {});
+  note_return(numbers.front(), accepted > 0);
+  operations_[numbers.front()].no_memory = operations_[numbers.back()].no_memory && accepted == 0;
+  operations_[numbers.back()].untried = accepted == 0;
+}
+
+void QueueClient::pop_two(unsigned thread, unsigned worker) {
+  std::array<std::size_t, 2> numbers{};
+  std::array<std::uint64_t, 2> values{};
+  for (std::size_t& number : numbers) number = call(QueueCall::Kind::pop, thread, worker);
+  std::size_t found = 0;
+  finish(numbers.back(), [&] {
+    found = queue_->pop_bulk(worker, values);
+    return found == values.size();
+  });
+  if (found > values.size())
+    Execution::current_execution()->report(
+        FindingKind::wrong_outcome,
+        "pop_bulk says that it found more elements than there is room for", {});
+  note_return(numbers.front(), found > 0);
+  operations_[numbers.front()].no_memory = operations_[numbers.back()].no_memory && found == 0;
+  operations_[numbers.back()].untried = found < values.size();
+  for (std::size_t i = 0; i < found; ++i) note_popped(numbers.at(i), values.at(i));
 }
 
 void QueueClient::take_payload(const QueueCall& pop) const {
@@ -234,17 +331,24 @@ bool QueueClient::finish(std::size_t number, Work work) {
     if (execution.failed_allocations(thread) == failed) throw;
     thrown = true;
   }
+  note_return(number, answered);
+  // Some libraries answer "full" for want of memory; a queue that is empty has no need to.
+  operations_[number].no_memory =
+      thrown || (!answered && operations_[number].kind == QueueCall::Kind::push &&
+                 execution.failed_allocations(thread) != failed);
+  return answered;
+}
+
+void QueueClient::note_return(std::size_t number, bool answered) {
+  Execution& execution = *Execution::current_execution();
   const std::uint64_t now = real_time_ ? execution.tick() : 0;
   QueueCall& done = operations_[number];
   done.answered = answered;
   done.finished = true;
-  // Some libraries answer "full" for want of memory; a queue that is empty has no need to.
-  done.no_memory = thrown || (!answered && done.kind == QueueCall::Kind::push &&
-                              execution.failed_allocations(thread) != failed);
   done.returned_at = now;
-  done.returned = static_cast<std::uint16_t>(execution.clock_of(thread).count[thread] + 1);
+  done.returned =
+      static_cast<std::uint16_t>(execution.clock_of(done.thread).count[done.thread] + 1);
   done.last_step = execution.steps().size();
-  return answered;
 }
 
 void QueueClient::work_until_over(unsigned thread, unsigned worker) {
@@ -288,9 +392,10 @@ std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
 std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
   if (const auto stopped = execution.stopped()) return judge_stalled(*stopped);
   for (QueueCall& push : operations_)
-    push.closed = push.kind == QueueCall::Kind::push && !push.answered &&
-                  !std::all_of(closings_.begin(), closings_.end(),
-                               [&](const QueueCall& c) { return precedes(push, c); });
+    push.closed |= push.kind == QueueCall::Kind::push && !push.answered && !push.untried &&
+                   std::any_of(operations_.begin(), operations_.end(), [&](const QueueCall& c) {
+                     return c.kind == QueueCall::Kind::close && !precedes(push, c);
+                   });
   // Few histories differ in what matters: the answers and the order. Each is judged once.
   std::vector<const QueueCall*> sorted;
   for (const QueueCall& operation : operations_) sorted.push_back(&operation);
@@ -299,7 +404,11 @@ std::optional<std::string> QueueClient::judge_history(const Execution& execution
   });
   std::string key;
   for (const QueueCall* b : sorted) {
-    key += b->no_memory || b->closed ? 'm' : b->answered ? 'y' : 'n';
+    key += b->no_memory || b->untried ? 'm'
+           : b->answered              ? 'y'
+           : b->closed                ? 'c'
+           : b->timed_out             ? 't'
+                                      : 'n';
     key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
     if (b->phase != QueueCall::Phase::during) continue;  // in the order in which they stand
     for (const QueueCall* a : sorted)

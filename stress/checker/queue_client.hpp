@@ -6,6 +6,9 @@
 /// worker, too. The workers that pop in the shape empty the queue, all workers if none does. Nobody
 /// acts for a thread that was stopped.
 ///
+/// Where nobody closes the queue a bounded one has room for all elements, so that who waits for one
+/// gets it.
+///
 /// Each element stands for something that its thread writes just before the push, and that is read
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
 #pragma once
@@ -23,8 +26,6 @@
 #include "stress/scenarios/core.hpp"
 
 namespace irt::checker {
-
-using stress::close_word;
 
 /// A shape over one queue. The functions of `program()` refer to this object.
 class QueueClient {
@@ -48,13 +49,21 @@ class QueueClient {
   void run_letters(const std::string& letters, unsigned thread);
   void drain(unsigned main, std::optional<unsigned> stopped);
   std::uint64_t next_value(unsigned thread);
+  void make_step(char step, unsigned thread, unsigned pusher, unsigned popper);
   void work_until_over(unsigned thread, unsigned worker);
   bool push(unsigned thread, unsigned worker);
   bool pop(unsigned thread, unsigned worker);
+  void pop_wait(unsigned thread, unsigned worker);
+  void pop_until(unsigned thread, unsigned worker);
+  void close(unsigned thread, unsigned worker);
+  void push_two(unsigned thread, unsigned worker);
+  void pop_two(unsigned thread, unsigned worker);
+  void note_popped(std::size_t number, std::uint64_t value);
   void take_payload(const QueueCall& pop) const;
   std::size_t call(QueueCall::Kind kind, unsigned thread, unsigned worker);
   template <class Work>
   bool finish(std::size_t number, Work work);
+  void note_return(std::size_t number, bool answered);
   void age(std::uint64_t pairs, std::shared_ptr<AgedMemory> memory);
   void make_pair(std::uint64_t n);
   std::optional<std::string> judge_history(const Execution& execution);
@@ -67,7 +76,6 @@ class QueueClient {
   Program program_;
   AnyWorkQueue<std::uint64_t>* queue_ = nullptr;
   std::vector<QueueCall> operations_;
-  std::vector<QueueCall> closings_;  ///< calls that close the queue
   QueueCall::Phase phase_ = QueueCall::Phase::before;
   std::vector<std::uint64_t> ageing_words_;
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far

@@ -54,7 +54,9 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
 
 std::string contradiction(const QueueCall& answer, const std::vector<QueueCall>& operations) {
   using Kind = QueueCall::Kind;
-  if (!answer.finished || answer.answered || answer.no_memory || answer.closed) return "";
+  const bool refused = answer.kind == Kind::push && answer.closed;
+  if (!answer.finished || answer.answered || answer.no_memory || answer.untried || refused)
+    return "";
   const auto left_by = [&](const QueueCall& push, auto when) {
     return std::any_of(operations.begin(), operations.end(), [&](const QueueCall& o) {
       return o.kind == Kind::pop && (!o.finished || (o.answered && o.value == push.value)) &&
@@ -73,7 +75,7 @@ std::string contradiction(const QueueCall& answer, const std::vector<QueueCall>&
       return fmt::format("push {} happens before it, and nobody had taken that", push.value);
     }
   }
-  if (answer.kind == Kind::pop) return "";
+  if (answer.kind != Kind::push) return "";
   if (inside.empty()) return "nothing can have been inside";
   return fmt::format("inside was at most: {}", fmt::join(inside, ", "));
 }
@@ -126,7 +128,7 @@ bool is_one_of_many(const std::vector<QueueCall>& operations, std::size_t number
                      [&o](const QueueCall& other) {
                        return other.phase == o.phase && other.kind == o.kind &&
                               other.worker == o.worker && other.answered == o.answered &&
-                              other.no_memory == o.no_memory;
+                              other.no_memory == o.no_memory && other.waits == o.waits;
                      });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <fmt/format.h>
 
 #include "stress/checker/publication.hpp"
@@ -21,6 +22,10 @@ Stamp VirtualCore::stamp() {
   // 0 where the threads do not run.
   const std::uint64_t tick = run_.clocked ? Execution::current_execution()->tick() : 0;
   return run_.now = std::max(tick, run_.now + 1);
+}
+
+irt::Deadline VirtualCore::now() {
+  return irt::Deadline(std::chrono::nanoseconds(Execution::current_execution()->time()));
 }
 
 Stamp VirtualCore::enter(Kind kind) {
@@ -188,29 +193,37 @@ std::vector<QueueCall> ScenarioClient::operations() const {
     const CallPlace& call = run_.calls[i];
     const bool drains = call.thread == roles_.workers;
     const std::vector<stress::Operation>& log = drains ? drain_ : states_[call.thread].log;
-    // A command has no entry: the next call has the one that would be its own.
-    const bool command = std::any_of(
-        run_.calls.begin() + static_cast<std::ptrdiff_t>(i) + 1, run_.calls.end(),
-        [&](const CallPlace& o) { return o.thread == call.thread && o.entry == call.entry; });
-    const bool logged = call.finished && call.entry < log.size();
-    if (command || (call.finished && !logged)) continue;
-    QueueCall operation{
-        .kind = call.kind == Kind::push ? QueueCall::Kind::push : QueueCall::Kind::pop,
-        .thread = call.thread,
-        .worker = call.worker,
-        .number = result.size(),
-        .phase = drains ? QueueCall::Phase::after : QueueCall::Phase::during,
-        .finished = call.finished,
-        .called = call.called,
-        .returned = call.returned,
-        .first_step = call.first_step,
-        .last_step = call.last_step};
-    if (logged) {
-      const stress::Operation& entry = log[call.entry];
-      operation.answered = entry.kind == Kind::push || entry.kind == Kind::pop;
-      operation.value = entry.value;
+    // Up to the next call of that log; barriers have entries of their own.
+    const auto next = std::find_if(run_.calls.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                                   run_.calls.end(), [&](const CallPlace& o) {
+                                     return (o.thread == roles_.workers) == drains &&
+                                            (drains || o.thread == call.thread);
+                                   });
+    const std::size_t end = next == run_.calls.end() ? log.size() : next->entry;
+    for (std::size_t e = call.entry; e < std::max(end, call.entry + (call.finished ? 0 : 1)); ++e) {
+      QueueCall operation{.kind = call.kind == Kind::push    ? QueueCall::Kind::push
+                                  : call.kind == Kind::close ? QueueCall::Kind::close
+                                                             : QueueCall::Kind::pop,
+                          .thread = call.thread,
+                          .worker = call.worker,
+                          .number = result.size(),
+                          .phase = drains ? QueueCall::Phase::after : QueueCall::Phase::during,
+                          .finished = call.finished,
+                          .called = call.called,
+                          .returned = call.returned,
+                          .first_step = call.first_step,
+                          .last_step = call.last_step};
+      if (e < log.size()) {
+        const stress::Operation& entry = log[e];
+        if (entry.kind == Kind::meet) continue;
+        operation.answered = entry.kind == Kind::push || entry.kind == Kind::pop;
+        operation.closed = entry.kind == Kind::closed;
+        operation.timed_out = entry.kind == Kind::timed_out;
+        operation.waits = operation.closed || operation.timed_out;
+        operation.value = entry.value;
+      }
+      result.push_back(operation);
     }
-    result.push_back(operation);
   }
   return result;
 }

@@ -98,14 +98,12 @@ void add(Result& sum, Result part) {
 
 }  // namespace
 
-const stress::Scenario& scenario_at(const std::string& name, bool parks) {
-  std::vector<std::span<const stress::Scenario>> kinds{stress::scenarios(),
-                                                       stress::contention_scenarios()};
-  if (parks) kinds = {stress::waiting_scenarios()};
+const stress::Scenario& scenario_at(const std::string& name, const QueueEntry& entry) {
   std::vector<std::string_view> names;
-  for (const std::span<const stress::Scenario> kind : kinds)
+  for (const auto kind : {stress::scenarios(), stress::contention_scenarios()})
     for (const stress::Scenario& scenario : kind) {
-      if (scenario.generations != 1) continue;
+      if (scenario.generations != 1 || !stress::allows(entry.methods, entry.claims, scenario))
+        continue;
       if (scenario.name == name) return scenario;
       names.push_back(scenario.name);
     }
@@ -116,8 +114,7 @@ const stress::Scenario& scenario_at(const std::string& name, bool parks) {
                   : other->generations != 1
                       ? "its workers are several threads each, one after the other, and on "
                         "virtual cores each is one"
-                  : parks ? "not for a queue whose pop waits until it is closed"
-                          : "only for queues whose pop waits until they are closed",
+                      : "it calls methods that this queue does not have, or is for more workers",
                   fmt::join(names, ", ")));
 }
 

@@ -10,9 +10,9 @@
 
 namespace irt::checker {
 
-/// The scenario `name` if a queue that `parks` (whose pop waits until it is closed) can be used so.
-/// Throws UsageError with those that can be.
-const stress::Scenario& scenario_at(const std::string& name, bool parks);
+/// The scenario `name` if the queue can be used so on virtual cores. Throws UsageError with those
+/// that can be.
+const stress::Scenario& scenario_at(const std::string& name, const QueueEntry& entry);
 
 /// Samples `scenario` over the queue in `module`, in rounds with seeds from that of `settings` on,
 /// until a round finds something or the time is up. Rounds differ in operations, capacity, random

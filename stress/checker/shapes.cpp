@@ -10,7 +10,7 @@ namespace irt::checker {
 
 namespace {
 
-constexpr std::string_view steps = "EDRTFSWCX";
+constexpr std::string_view steps = "EDRTFSWCXPLBG";
 
 /// The parser of one text: every mistake names it.
 class Parser {
@@ -82,7 +82,8 @@ class Parser {
       else if (letter != ' ')
         wrong(
             std::string("'") + letter +
-            "' is no step; steps are E D R T F S W C X, threads are parted by '|', a prologue ends "
+            "' is no step; steps are E D R T F S W C X P L B G, threads are parted by '|', a "
+            "prologue ends "
             "with ':', an epilogue follows ';', a capacity '@', an age '+', and (ED)*3 is EDEDED");
       check_length(letters.size());
     }
@@ -172,12 +173,79 @@ bool leaves_inside(const Shape& shape) {
   return shape.epilogue.ends_with('X');
 }
 
+namespace {
+
+/// How many elements a step takes, at most; R and what follows are not counted.
+std::size_t takes(char step) {
+  return step == 'D' || step == 'P' || step == 'L' ? 1 : step == 'G' ? 2 : 0;
+}
+
+std::size_t pushes_of(std::string_view word) {
+  std::size_t sum = 0;
+  for (const char step : word) sum += step == 'E' ? 1 : step == 'B' || step == 'R' ? 2 : 0;
+  return sum;
+}
+
+std::size_t takes_of(std::string_view word) {
+  std::size_t sum = 0;
+  for (const char step : word) sum += takes(step);
+  return sum;
+}
+
+/// What a thread does before it waits for anything.
+std::string_view for_certain(const std::string& word) {
+  return std::string_view(word).substr(0, word.find_first_of("PW"));
+}
+
+/// Whether the steps that come before and after the threads wait only for what is there.
+bool waits_alone(const Shape& shape) {
+  bool closed = false;
+  std::size_t held = 0;
+  for (const char step : shape.prologue) {
+    closed = closed || step == 'C';
+    if (step == 'P' && held == 0 && !closed) return true;
+    held += pushes_of(std::string_view(&step, 1));
+    held -= std::min(held, takes(step));
+  }
+  for (const std::string& thread : shape.threads)
+    closed = closed || thread.find('C') != std::string::npos;
+  const auto wait = shape.epilogue.find('P');
+  return wait != std::string::npos && !closed && shape.epilogue.find('C') > wait;
+}
+
+}  // namespace
+
+std::size_t pushes_of(const Shape& shape) {
+  std::size_t sum = pushes_of(shape.prologue);
+  for (const std::string& thread : shape.threads) sum += pushes_of(thread);
+  return sum;
+}
+
+bool may_starve(const Shape& shape, bool bounded) {
+  if (waits_alone(shape)) return true;
+  std::string all = shape.prologue;
+  for (const std::string& thread : shape.threads) all += thread;
+  if (all.find('P') == std::string::npos) return false;
+  if (shape.prologue.find('C') != std::string::npos) return false;
+  std::size_t pushes = pushes_of(shape.prologue);
+  for (const std::string& thread : shape.threads) {
+    const std::string_view certain = for_certain(thread);
+    if (certain.find('C') != std::string_view::npos) return false;
+    pushes += pushes_of(certain);
+  }
+  // These take as they find.
+  if (all.find_first_of("RTF") != std::string::npos) return true;
+  if (bounded && shape.capacity != 0 && shape.capacity < pushes_of(shape)) return true;
+  return pushes < takes_of(all);
+}
+
 std::size_t most_held(const Shape& shape) {
   std::size_t held = 0;
   std::size_t most = 0;
   for (const char letter : shape.prologue) {
-    if (letter == 'E') most = std::max(most, ++held);
-    if (letter == 'D' && held != 0) --held;
+    held += letter == 'E' ? 1 : letter == 'B' ? 2 : 0;
+    most = std::max(most, held);
+    held -= std::min<std::size_t>(held, takes(letter));
   }
   return most;
 }
@@ -205,7 +273,7 @@ bool allows(const Claims& claims, const Shape& shape) {
     const auto signal = first.find('S');
     const auto wait = second.find('W');
     return signalling == 1 && signal != std::string::npos && wait != std::string::npos &&
-           first.find_first_of("ERTFDC", signal) == std::string::npos &&
+           first.find_first_of("ERTFDPLBG", signal) == std::string::npos &&
            second.find_first_of(letters) > wait;
   };
   const auto one_at_a_time = [&](std::string_view letters) {
@@ -217,8 +285,23 @@ bool allows(const Claims& claims, const Shape& shape) {
         if (a < b && !handed_over(letters, *a, *b) && !handed_over(letters, *b, *a)) return false;
     return true;
   };
-  if (claims.one_producer() && !one_at_a_time("ERTFC")) return false;
-  return !claims.one_consumer() || one_at_a_time("DRTF");
+  if (claims.one_producer() && !one_at_a_time(pushing)) return false;
+  return !claims.one_consumer() || one_at_a_time(popping);
+}
+
+std::string obstacle(const Methods& methods, const Shape& shape) {
+  std::string all = shape.prologue + shape.epilogue;
+  for (const std::string& thread : shape.threads) all += thread;
+  const auto lacks = [&all](std::string_view letters, bool has, const char* method) {
+    const auto step = all.find_first_of(letters);
+    return has || step == std::string::npos
+               ? std::string{}
+               : std::string("step ") + all[step] + " calls " + method + ", which it does not have";
+  };
+  std::string text = lacks("PC", methods.pop_wait, "pop_wait and close");
+  if (text.empty()) text = lacks("L", methods.deadline, "pop_wait with a deadline");
+  if (text.empty()) text = lacks("BG", methods.bulk, "push_bulk and pop_bulk");
+  return text;
 }
 
 }  // namespace irt::checker

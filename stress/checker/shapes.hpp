@@ -6,7 +6,7 @@
 ///
 ///     E  push the next element           R  the renderer's task: pop one; if there was one, push
 ///     D  pop                                two, once per letter
-///     EE|D|D;C     after the threads and before the queue is emptied, it is closed
+///     EE|D|D;E     after the threads and before the queue is emptied, one more is pushed
 ///
 ///     S  signal: whoever waits ...       W  ... goes on, and everything before S happens before
 ///
@@ -18,7 +18,10 @@
 ///     EE|DD@2      the queue is made for two elements
 ///     E:D|D+250    before anything else one worker has made 250 pairs of a push and a pop
 ///
-///     C  close: push `close_word`, for queues whose pop waits until they are closed
+///     P  pop_wait                        L  pop_wait with a deadline, which may pass at any time
+///     C  close                           a queue may be closed before, while and after others wait
+///
+///     B  push_bulk of two elements       G  pop_bulk of up to two
 ///
 ///     E|D;X        at the end of an epilogue: the queue is destroyed as it is, not emptied first
 #pragma once
@@ -43,6 +46,10 @@ struct Shape {
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
+/// Steps that push, and that pop.
+inline constexpr std::string_view pushing = "ERTFB";
+inline constexpr std::string_view popping = "DRTFPLG";
+
 /// Steps of one thread, of the prologue or of the epilogue: at most so many.
 inline constexpr std::size_t most_steps = 10'000;
 
@@ -58,6 +65,14 @@ bool leaves_inside(const Shape& shape);
 /// How many elements the prologue has inside at once, as far as E and D say.
 std::size_t most_held(const Shape& shape);
 
+/// How many elements it pushes, as far as E, R and B say.
+std::size_t pushes_of(const Shape& shape);
+
+/// Whether a waiting pop may be left without an element although the queue does all it should: too
+/// few are pushed for certain, and nobody closes the queue for certain. `bounded`: a push may find
+/// no place.
+bool may_starve(const Shape& shape, bool bounded);
+
 /// Pushes and pops, and steps that make several, in all words.
 std::size_t calls_of(const Shape& shape);
 
@@ -65,5 +80,9 @@ std::size_t calls_of(const Shape& shape);
 /// producer or consumer at a time where it is for one. Who is done may hand that role over, by a
 /// signal that the other one waits for.
 bool allows(const Claims& claims, const Shape& shape);
+
+/// The first step of `shape` that calls a method which a queue with these does not have, and which
+/// method that is, as a clause; empty if there is none.
+std::string obstacle(const Methods& methods, const Shape& shape);
 
 }  // namespace irt::checker

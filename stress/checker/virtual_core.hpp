@@ -12,10 +12,10 @@ namespace irt::checker {
 
 /// When an operation was called and returned: events of its thread, steps of the execution.
 struct CallPlace {
-  stress::Kind kind = stress::Kind::push;  ///< push or pop
+  stress::Kind kind = stress::Kind::push;  ///< push, pop or close
   unsigned thread = 0;
   unsigned worker = 0;
-  std::size_t entry = 0;  ///< of its worker's log, which has it once it has returned
+  std::size_t entry = 0;  ///< of its worker's log, which has it, or its elements, from there on
   bool finished = false;
   Clock called{};
   std::uint16_t returned = 0;
@@ -45,6 +45,7 @@ class VirtualCore final : public stress::Core {
 
   void idle() override {}
   stress::Stamp stamp() override;
+  irt::Deadline now() override;
   std::unique_ptr<stress::ElementQueue> another_queue(unsigned workers,
                                                       std::size_t capacity) override {
     return run_.entry->make_word_queue(workers, capacity);

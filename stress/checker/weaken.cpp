@@ -39,7 +39,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
                           const CheckSettings& given) {
   const CheckSettings settings = as_seen(given, module);
   const std::vector<std::string> shapes =
-      settings.shapes.empty() ? battery(entry.claims) : settings.shapes;
+      settings.shapes.empty() ? battery(entry.claims, entry.methods) : settings.shapes;
   // What only the clock's order needs is needed by a queue that claims it.
   const bool clocked =
       settings.real_time.value_or(entry.claims.ordering == Ordering::fifo_real_time);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "stress/history/closing.hpp"
 #include "stress/history/happens_before.hpp"
 #include "stress/history/specification.hpp"
 
@@ -59,9 +60,12 @@ std::optional<Violation> unbounded_full(const History& history) {
 
 }  // namespace
 
-Verdict judge(const History& history, const Claims& claims, std::size_t capacity) {
+Verdict judge(const History& as_logged, const Claims& claims, std::size_t capacity) {
   const Specification specification(claims, capacity);
   Verdict verdict;
+  add(verdict, judge_closing(as_logged, specification));
+  const std::optional<History> rest = without_closing(as_logged);
+  const History& history = rest ? *rest : as_logged;
   const auto count = [&](const std::vector<Operation>& log) {
     for (const Operation& operation : log) {
       verdict.pushes += operation.kind == Kind::push ? 1 : 0;

@@ -29,6 +29,7 @@ struct Verdict {
 ///
 ///     every queue          exactly once; the drain, if there was one, leaves nothing behind;
 ///                          *full* never without a bound; *empty* and *full* by happens-before
+///                          the rules of closing (closing.hpp)
 ///     per_producer_fifo    order within a producer, by happens-before
 ///     k_relaxed_fifo       no pop passes more than k older elements, in real time
 ///     fifo_happens_before  order by happens-before

@@ -30,11 +30,14 @@ constexpr std::uint64_t sequence_of(Element e) {
 
 /// What was called and what it answered.
 enum class Kind : std::uint8_t {
-  push,   ///< accepted
-  full,   ///< a push that answered false
-  pop,    ///< took `value`
-  empty,  ///< a pop that answered false
-  meet,   ///< not an operation: the worker passed a barrier of all workers
+  push,       ///< accepted
+  full,       ///< a push that answered false
+  pop,        ///< took `value`
+  empty,      ///< a pop that answered false
+  closed,     ///< a waiting pop that answered that the queue is closed and empty
+  timed_out,  ///< a waiting pop that gave up at its deadline
+  close,      ///< the queue was closed
+  meet,       ///< not an operation: the worker passed a barrier of all workers
 };
 
 /// One operation. Its effect took place somewhere in [invoked, returned].

@@ -7,6 +7,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "stress/history/closing.hpp"
+
 namespace irt::stress {
 namespace {
 
@@ -252,6 +254,9 @@ class Search {
         held_.erase(found);
         return true;
       }
+      case Kind::closed:
+      case Kind::timed_out:
+      case Kind::close:
       case Kind::meet:
         break;
     }
@@ -379,8 +384,10 @@ std::pair<Calls, std::vector<std::size_t>> calls_of(unsigned worker, const Calls
 
 }  // namespace
 
-Judgement judge_in_every_order(const Calls& calls, const Specification& specification,
+Judgement judge_in_every_order(const Calls& all_calls, const Specification& specification,
                                std::size_t most_states) {
+  if (auto breach = judge_closing(all_calls, specification)) return {breach};
+  const Calls calls = without_closing(all_calls);
   if (auto breach = judge_elements(calls, specification.claims())) return {breach};
   if (!specification.claims().own_queues())
     return judge_one_queue(calls, specification, most_states);

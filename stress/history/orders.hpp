@@ -40,6 +40,11 @@ class Calls {
   void leave_inside() { emptied_ = false; }
   [[nodiscard]] bool emptied() const { return emptied_; }
 
+  /// Says that call `i` had no effect, and that its answer is right.
+  void excuse(std::size_t i) { calls_[i].no_effect = true; }
+  /// Says that call `i` answered *empty*, as far as that is to be judged.
+  void take_for_empty(std::size_t i) { calls_[i].kind = Kind::empty; }
+
   [[nodiscard]] bool precedes(std::size_t a, std::size_t b) const;
   [[nodiscard]] const std::vector<Call>& all() const { return calls_; }
   /// The calls in the middle are those in [begin, end).
@@ -63,10 +68,13 @@ class Calls {
 /// | fresh | pop; its push, if somebody pushed that (later, or for another worker) |
 /// | repeat | the second pop, the first, the push |
 /// | lost | the push |
-/// | order | two pops and their pushes, the wrong way round; none if it takes more to show it; for
-/// an element that stayed inside its push twice | | full | the push that answered so | | witness |
-/// the pop that answered *empty*, and a push and a pop if one element refutes it; none if
-///   several answers cannot all be true, though each could |
+/// | order | two pops and their pushes, the wrong way round; none if it takes more to show it; |
+/// | | for an element that stayed inside its push twice |
+/// | full | the push that answered so |
+/// | witness | the pop that answered *empty*, and a push and a pop if one element refutes it; |
+/// | | none if several answers cannot all be true, though each could |
+/// | closed | the push that was accepted, or the pop that waited, and the `close`; the pop that |
+/// | | answered *closed* alone, or with a push and a pop (its push twice if it stayed inside) |
 struct Breach {
   Pattern pattern = Pattern::fresh;
   std::vector<std::size_t> calls;

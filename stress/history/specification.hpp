@@ -18,6 +18,9 @@
 /// consumer that does not see a push yet are both right, as loads and stores that acquire and
 /// release are (store buffering). In real time one order makes all of them true.
 ///
+/// A waiting pop that is told that the queue is closed, or that gives up, has seen it empty in the
+/// sense of the table; closing.hpp has what closing promises besides.
+///
 /// Whatever the claims: an element leaves once, after its push was called and not before; what was
 /// accepted comes out; an unbounded queue is never full; where each worker has a queue of its own,
 /// all of this holds for each by itself.

@@ -16,6 +16,12 @@ std::string call(const Operation& operation) {
       return "pop  " + element_name(operation.value);
     case Kind::empty:
       return "pop  empty";
+    case Kind::closed:
+      return "pop  closed";
+    case Kind::timed_out:
+      return "pop  timed out";
+    case Kind::close:
+      return "close";
     case Kind::meet:
       return "meet";
   }
@@ -44,6 +50,8 @@ std::string_view promise(Pattern pattern) {
       return "full only when full";
     case Pattern::rank:
       return "bound of the relaxation";
+    case Pattern::closed:
+      return "closing is the end of pushes, of waiting and of elements";
   }
   return "?";
 }

@@ -20,6 +20,7 @@ enum class Pattern : std::uint8_t {
   lost,     ///< accepted, never popped, not found when the queue was drained
   full,     ///< *full* while fewer elements than the capacity were inside
   rank,     ///< overtook more elements than the relaxation allows
+  closed,   ///< a rule of closing (closing.hpp)
 };
 
 /// The worker that stands for the drain in reports.

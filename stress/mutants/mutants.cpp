@@ -26,15 +26,6 @@ Scenario with_capacity(std::string_view name, std::size_t capacity) {
   return scenario;
 }
 
-const Scenario shares{.name = "exact-shares",
-                      .summary = "",
-                      .pushers = 2,
-                      .poppers = 2,
-                      .capacity = 1 << 16,
-                      .run = exact_shares,
-                      .drains = false};
-const Scenario closing{
-    .name = "until-closed", .summary = "", .pushers = 1, .poppers = 2, .run = until_closed};
 const Scenario frame_end{
     .name = "frames", .summary = "", .pushers = 3, .poppers = 3, .together = true, .run = frames};
 
@@ -115,18 +106,15 @@ const auto& all() {
                                        usual("mpmc"), by_tsan),
       mutant<TwoLock<false>::Queue, TwoLock<true>::Queue>("m18", "two locks, plain next",
                                                           usual("near-empty"), by_tsan),
-      parking<ParkingBug::if_not_while>("m20", "if instead of while around a wait", shares),
-      parking<ParkingBug::only_transition>("m21", "notifies on the first push only", shares),
+      parking<ParkingBug::if_not_while>("m20", "if instead of while around a wait",
+                                        usual("parked")),
+      parking<ParkingBug::only_transition>("m21", "notifies on the first push only",
+                                           usual("parked")),
       mutant<EventCounted<false>::Queue, EventCounted<true>::Queue>(
-          "m23", "event count read relaxed: lost wake-up",
-          [] {
-            Scenario one = shares;
-            one.pushers = one.poppers = 1;
-            return one;
-          }(),
-          by_none,
+          "m23", "event count read relaxed: lost wake-up", usual("parked"), by_none,
           "store-load reordering in a window of nanoseconds, and only while the consumer parks"),
-      parking<ParkingBug::silent_close>("m25", "closing wakes nobody", closing),
+      parking<ParkingBug::silent_close>("m25", "closing wakes nobody",
+                                        usual("parked-closed-early")),
       mutant<Mpsc<false>::Queue, Mpsc<true>::Queue>("m26", "nil instead of a sentinel",
                                                     usual("mpsc"), by_oracles),
       vyukov<VyukovBug::narrow>("m27", "sequence difference in eight bits",

@@ -1,11 +1,7 @@
-/// Queues whose `pop` parks until there is an element or the queue is closed, and lost wake-ups.
-///
-/// They are driven by the scenarios of this room: `close_word` is pushed to close them, and `pop`
-/// answers false only when closed and empty.
+/// Queues with a `pop_wait`, and lost wake-ups.
 #pragma once
 
 #include <atomic>
-#include <bit>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -14,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "queues/blocking/closing.hpp"
 #include "queues/work_queue.hpp"
-#include "stress/scenarios/core.hpp"
 
 namespace irt::stress {
 
@@ -38,12 +34,7 @@ struct Parking {
 
     bool push(unsigned /*worker*/, T task) {
       std::unique_lock lock(mutex_);
-      if (std::bit_cast<std::uint64_t>(task) == close_word) {
-        closed_ = true;
-        lock.unlock();
-        if (bug != ParkingBug::silent_close) changed_.notify_all();
-        return true;
-      }
+      if (closed_) return false;
       const bool was_empty = held_.empty();
       held_.push_back(task);
       lock.unlock();
@@ -52,20 +43,34 @@ struct Parking {
     }
 
     bool pop(unsigned /*worker*/, T& task) {
+      const std::lock_guard lock(mutex_);
+      return take(task);
+    }
+
+    bool pop_wait(unsigned /*worker*/, T& task) {
       std::unique_lock lock(mutex_);
       if (bug == ParkingBug::if_not_while) {
         if (held_.empty() && !closed_) changed_.wait(lock);
-        if (closed_ && held_.empty()) return false;
       } else {
         while (held_.empty() && !closed_) changed_.wait(lock);
-        if (held_.empty()) return false;
       }
+      return take(task);
+    }
+
+    void close() {
+      const std::lock_guard lock(mutex_);
+      closed_ = true;
+      if (bug != ParkingBug::silent_close) changed_.notify_all();
+    }
+
+   private:
+    bool take(T& task) {
+      if (held_.empty()) return false;
       task = held_.front();
       held_.pop_front();
       return true;
     }
 
-   private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::deque<T> held_;
@@ -87,15 +92,41 @@ struct EventCounted {
                                    .consumers = Callers::one,
                                    .reclamation = Reclamation::preallocated};
 
-    Queue(unsigned /*workers*/, std::size_t capacity) : slots_(capacity) {}
+    Queue(unsigned workers, std::size_t capacity) : slots_(capacity), closing_(workers) {}
 
-    bool push(unsigned /*worker*/, T task) {
-      if (std::bit_cast<std::uint64_t>(task) == close_word) {
-        const std::lock_guard lock(mutex_);
-        closed_ = true;
-        changed_.notify_all();
-        return true;
+    bool push(unsigned worker, T task) {
+      return closing_.push(worker, [&] { return push_while_open(task); });
+    }
+
+    bool pop(unsigned /*worker*/, T& task) {
+      const std::size_t head = head_.load(std::memory_order_relaxed);
+      if (tail_.load() == head) return false;
+      task = slots_[head % slots_.size()];
+      head_.store(head + 1);
+      return true;
+    }
+
+    bool pop_wait(unsigned worker, T& task) {
+      const std::size_t head = head_.load(std::memory_order_relaxed);
+      if (tail_.load() == head) {
+        std::unique_lock lock(mutex_);
+        ++waiters_;
+        while (tail_.load() == head && !closing_.closed()) changed_.wait(lock);
+        --waiters_;
+        lock.unlock();
+        if (closing_.closed()) closing_.wait_for_pushes();
       }
+      return pop(worker, task);
+    }
+
+    void close() {
+      const std::lock_guard lock(mutex_);
+      closing_.close();
+      changed_.notify_all();
+    }
+
+   private:
+    bool push_while_open(T task) {
       const std::size_t tail = tail_.load(std::memory_order_relaxed);
       if (tail - head_.load() == slots_.size()) return false;
       slots_[tail % slots_.size()] = task;
@@ -109,28 +140,13 @@ struct EventCounted {
       return true;
     }
 
-    bool pop(unsigned /*worker*/, T& task) {
-      const std::size_t head = head_.load(std::memory_order_relaxed);
-      if (tail_.load() == head) {
-        std::unique_lock lock(mutex_);
-        ++waiters_;
-        while (tail_.load() == head && !closed_) changed_.wait(lock);
-        --waiters_;
-        if (tail_.load() == head) return false;
-      }
-      task = slots_[head % slots_.size()];
-      head_.store(head + 1);
-      return true;
-    }
-
-   private:
     std::vector<T> slots_;
     alignas(128) std::atomic<std::size_t> head_{0};
     alignas(128) std::atomic<std::size_t> tail_{0};
     alignas(128) std::atomic<unsigned> waiters_{0};
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool closed_ = false;
+    Closing closing_;
   };
 };
 

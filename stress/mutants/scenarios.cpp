@@ -4,8 +4,6 @@
 #include <array>
 #include <atomic>
 
-#include "stress/mutants/parking.hpp"
-
 namespace irt::stress {
 namespace {
 
@@ -21,26 +19,6 @@ std::array<FrameStamps, most_workers> stamps;
 constexpr Stamp clearly = 10'000;
 
 }  // namespace
-
-void exact_shares(Core& core) {
-  // As many pops as pushes, if there are as many consumers as producers.
-  for (std::uint64_t left = core.self().operations; left > 0; --left) {
-    if (core.self().pushes) {
-      while (!core.push()) core.idle();
-    }
-    if (core.self().pops && !core.pop())
-      core.complain("pop answered empty while elements were due");
-  }
-}
-
-void until_closed(Core& core) {
-  if (core.self().pushes) {
-    while (core.more()) core.push();
-    if (core.self().worker == 0) core.command(close_word);
-  }
-  while (core.self().pops && core.pop()) {
-  }
-}
 
 void owner_and_thieves(Core& core) {
   if (core.self().worker != 0) {

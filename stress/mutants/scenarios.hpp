@@ -1,15 +1,9 @@
-/// Patterns of use that only queues of this room need: a `pop` that parks, a frame that ends.
+/// Patterns of use that only queues of this room need: a deque with an owner, a frame that ends.
 #pragma once
 
 #include "stress/scenarios/core.hpp"
 
 namespace irt::stress {
-
-/// Producers push their share; consumers pop theirs, each waiting as long as it takes.
-void exact_shares(Core& core);
-
-/// Producers push; the first of them closes the queue; consumers pop until it is closed.
-void until_closed(Core& core);
 
 /// Worker 0 pushes a few and takes them again; the others only take.
 void owner_and_thieves(Core& core);

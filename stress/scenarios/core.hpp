@@ -7,11 +7,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -50,10 +53,6 @@ inline Element next_element(const Claims& claims, unsigned worker, std::uint64_t
 
 /// No element of any run.
 inline constexpr Element no_element = ~Element{0};
-
-/// Closes a queue whose `pop` waits for elements: `pop` then answers false when nothing is inside.
-/// No element of any run, and no word of the contract: other queues are never given it.
-inline constexpr Element close_word = ~Element{1};
 
 /// What elements point to: a word for each, written before its push and read after its pop, as the
 /// renderer's tasks are. Plain memory, each word of one element alone, so that ThreadSanitizer
@@ -159,15 +158,81 @@ class Core {
 
   /// Pops and records.
   std::optional<Element> pop() {
-    Element e = ~Element{0};
+    Element e = no_element;
     if (left_ > 0) --left_;
     const Stamp invoked = enter(Kind::pop);
     const bool found = queue_.pop(state_.worker, e);
+    return found_or(found, Kind::empty, invoked, e);
+  }
+
+  /// The same, waiting for an element; none if the queue is closed.
+  std::optional<Element> pop_wait() {
+    Element e = no_element;
+    if (left_ > 0) --left_;
+    const Stamp invoked = enter(Kind::pop);
+    const bool found = queue_.pop_wait(state_.worker, e);
+    return found_or(found, Kind::closed, invoked, e);
+  }
+
+  /// The same for so many nanoseconds, at most; complains of giving up before.
+  PopStatus pop_wait(std::int64_t nanoseconds) {
+    Element e = no_element;
+    if (left_ > 0) --left_;
+    const Deadline deadline = now() + std::chrono::nanoseconds(nanoseconds);
+    const Stamp invoked = enter(Kind::pop);
+    const PopStatus status = queue_.pop_wait(state_.worker, e, deadline);
+    const bool closed = status == PopStatus::closed;
+    found_or(status == PopStatus::success, closed ? Kind::closed : Kind::timed_out, invoked, e);
+    if (status == PopStatus::timed_out && now() < deadline)
+      complain("a waiting pop gave up before its deadline");
+    return status;
+  }
+
+  /// Closes the queue, and records that.
+  void close() {
+    const Stamp invoked = enter(Kind::close);
+    queue_.close();
+    state_.log.push_back({invoked, leave(), 0, Kind::close});
+  }
+
+  /// Elements in a call, at most.
+  static constexpr std::size_t most_in_bulk = 64;
+
+  /// Pushes this worker's next `count` elements in one call, and records each; returns how many
+  /// were accepted. The next push offers the first that was not.
+  std::size_t push_bulk(std::size_t count) {
+    std::array<Element, most_in_bulk> elements{};
+    count = std::min(count, elements.size());
+    std::uint64_t sequence = state_.next_sequence;
+    for (std::size_t i = 0; i < count; ++i, ++sequence) {
+      elements[i] = next_element(state_.claims, state_.worker, sequence);
+      write_payload(elements[i]);
+    }
+    left_ -= std::min<std::uint64_t>(left_, count);
+    const Stamp invoked = enter(Kind::push);
+    const std::size_t accepted = queue_.push_bulk(state_.worker, std::span(elements).first(count));
     const Stamp returned = leave();
-    state_.log.push_back({invoked, returned, e, found ? Kind::pop : Kind::empty});
-    if (!found) return std::nullopt;
-    if (!sees_payload(e) && state_.unpublished == no_element) state_.unpublished = e;
-    return e;
+    if (accepted > count) complain("push_bulk says that it took more elements than it was given");
+    for (std::size_t i = 0; i < std::min(accepted + 1, count); ++i)
+      state_.log.push_back(
+          {invoked, returned, elements[i], i < accepted ? Kind::push : Kind::full});
+    if (accepted > 0) state_.next_sequence = sequence_of(elements[accepted - 1]) + 1;
+    return accepted;
+  }
+
+  /// Pops up to `count` elements in one call and records each, or that there were none; returns how
+  /// many.
+  std::size_t pop_bulk(std::size_t count) {
+    std::array<Element, most_in_bulk> elements{};
+    count = std::min(count, elements.size());
+    left_ -= std::min<std::uint64_t>(left_, count);
+    const Stamp invoked = enter(Kind::pop);
+    const std::size_t found = queue_.pop_bulk(state_.worker, std::span(elements).first(count));
+    const Stamp returned = leave();
+    if (found > count) complain("pop_bulk says that it found more elements than there is room for");
+    for (std::size_t i = 0; i < found; ++i) note_pop(invoked, returned, elements[i]);
+    if (found == 0 && count > 0) state_.log.push_back({invoked, returned, no_element, Kind::empty});
+    return found;
   }
 
   /// Waits until every worker of the run is here. All must call it equally often.
@@ -175,13 +240,6 @@ class Core {
     wait_for_all();
     const Stamp now = stamp();
     state_.log.push_back({now, now, state_.barriers++, Kind::meet});
-  }
-
-  /// Hands the queue a word that is no element, for queues that take commands; not recorded.
-  void command(Element word) {
-    enter(Kind::push);
-    queue_.push(state_.worker, word);
-    leave();
   }
 
   /// A random number below `bound`, from the run's seed.
@@ -195,6 +253,9 @@ class Core {
 
   /// The moment, on the clock of the logs.
   virtual Stamp stamp() = 0;
+
+  /// The moment, on the clock that the queue sees.
+  virtual Deadline now() = 0;
 
   /// A second queue of the same kind.
   virtual std::unique_ptr<ElementQueue> another_queue(unsigned workers, std::size_t capacity) = 0;
@@ -218,6 +279,20 @@ class Core {
   void stop_here() { left_ = 0; }
 
  private:
+  std::optional<Element> found_or(bool found, Kind otherwise, Stamp invoked, Element e) {
+    const Stamp returned = leave();
+    if (found) {
+      note_pop(invoked, returned, e);
+      return e;
+    }
+    state_.log.push_back({invoked, returned, e, otherwise});
+    return std::nullopt;
+  }
+  void note_pop(Stamp invoked, Stamp returned, Element e) {
+    state_.log.push_back({invoked, returned, e, Kind::pop});
+    if (!sees_payload(e) && state_.unpublished == no_element) state_.unpublished = e;
+  }
+
   WorkerState& state_;
   ElementQueue& queue_;
   std::uint64_t left_;

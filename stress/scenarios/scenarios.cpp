@@ -43,12 +43,35 @@ constexpr std::array all{
              .run = left_inside,
              .drains = false,
              .leaves_inside = true},
-};
-
-constexpr std::array waiting{
-    Scenario{"parked", "two producers, three consumers who wait", 2, 3, false, 64, 1, parked},
-    Scenario{"parked-tiny", "the same with one consumer more than places", 2, 3, false, 2, 1,
-             parked},
+    Scenario{.name = "bulk",
+             .summary = "several elements in a call",
+             .capacity = 32,
+             .run = bulk,
+             .needs = {.bulk = true}},
+    Scenario{.name = "parked",
+             .summary = "two producers, three consumers who wait",
+             .poppers = 3,
+             .capacity = 64,
+             .run = parked,
+             .needs = {.pop_wait = true}},
+    Scenario{.name = "parked-tiny",
+             .summary = "the same with one consumer more than places",
+             .poppers = 3,
+             .capacity = 2,
+             .run = parked,
+             .needs = {.pop_wait = true}},
+    Scenario{.name = "parked-closed-early",
+             .summary = "the queue is closed while producers push and consumers wait",
+             .poppers = 3,
+             .capacity = 8,
+             .run = parked_closed_early,
+             .needs = {.pop_wait = true}},
+    Scenario{.name = "parked-for-a-while",
+             .summary = "consumers wait until deadlines, some of which have passed",
+             .poppers = 3,
+             .capacity = 16,
+             .run = parked_for_a_while,
+             .needs = {.pop_wait = true, .deadline = true}},
 };
 
 }  // namespace
@@ -58,12 +81,17 @@ Roles roles_for(const Scenario& scenario, const Claims& claims) {
                                                 : apart(scenario.pushers, scenario.poppers));
 }
 
-std::span<const Scenario> scenarios() {
-  return all;
+bool allows(const Methods& methods, const Claims& claims, const Scenario& scenario) {
+  const Methods& needs = scenario.needs;
+  if ((needs.pop_wait && !methods.pop_wait) || (needs.deadline && !methods.deadline) ||
+      (needs.bulk && !methods.bulk))
+    return false;
+  // Who waits for others must not be the one who pushes.
+  return !needs.pop_wait || !roles_for(scenario, claims).together();
 }
 
-std::span<const Scenario> waiting_scenarios() {
-  return waiting;
+std::span<const Scenario> scenarios() {
+  return all;
 }
 
 namespace {
@@ -114,8 +142,7 @@ std::span<const Scenario> contention_scenarios() {
 }
 
 const Scenario* find_scenario(std::string_view name) {
-  for (const std::span<const Scenario> kind :
-       {scenarios(), waiting_scenarios(), contention_scenarios()}) {
+  for (const std::span<const Scenario> kind : {scenarios(), contention_scenarios()}) {
     for (const Scenario& scenario : kind)
       if (scenario.name == name) return &scenario;
   }

@@ -23,20 +23,21 @@ struct Scenario {
   std::size_t capacity = 256;  ///< the queue's capacity hint
   unsigned generations = 1;    ///< threads that follow each other in the role of each worker
   void (*run)(Core& core) = nullptr;
-  bool drains = true;  ///< what is left is popped at the end; not where `pop` would wait for ever
+  bool drains = true;          ///< what is left is popped at the end
   bool leaves_inside = false;  ///< the queue is destroyed with what is left
+  Methods needs{};             ///< optional methods that it calls
 };
+
+/// Whether a queue with these optional methods and claims can be used as `scenario` does.
+bool allows(const Methods& methods, const Claims& claims, const Scenario& scenario);
 
 /// Who pushes and pops in `scenario` when a queue has these claims.
 Roles roles_for(const Scenario& scenario, const Claims& claims);
 
-/// All scenarios for queues whose `pop` answers *empty*.
+/// All scenarios.
 std::span<const Scenario> scenarios();
 
-/// Those for queues whose `pop` waits until there is an element or the queue is closed.
-std::span<const Scenario> waiting_scenarios();
-
-/// The contention scenarios (contention.hpp) of one queue, for queues whose `pop` answers *empty*:
+/// The contention scenarios (contention.hpp) of one queue:
 /// as "contention/pairs", for four workers. They are run where they are named.
 std::span<const Scenario> contention_scenarios();
 

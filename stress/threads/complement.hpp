@@ -5,24 +5,23 @@
 /// place, would never be found out.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "stress/scenarios/core.hpp"
 
 namespace irt::stress {
 
-/// The complement of what a queue with these claims may be given; its own inverse. `close_word`,
-/// which queues whose pop waits are given, stays what it is, and so nothing becomes it.
+/// The complement of what a queue with these claims may be given; its own inverse.
 class Complement {
  public:
   explicit Complement(const Claims& claims) : used_(~claims.unused_bits) {}
 
-  [[nodiscard]] Element operator()(Element e) const {
-    const Element complement = e ^ used_;
-    return e == close_word || complement == close_word ? e : complement;
-  }
+  [[nodiscard]] Element operator()(Element e) const { return e ^ used_; }
 
   /// What a queue that claims `claims` promises to whoever sees it through the complement; none if
   /// that cannot be said.
@@ -50,13 +49,42 @@ class ComplementQueue final : public ElementQueue {
 
   bool push(unsigned worker, Element e) override { return queue_->push(worker, complement_(e)); }
   bool pop(unsigned worker, Element& e) override {
+    return restored(e, [&](Element& word) { return queue_->pop(worker, word); });
+  }
+
+  bool pop_wait(unsigned worker, Element& e) override {
+    return restored(e, [&](Element& word) { return queue_->pop_wait(worker, word); });
+  }
+  PopStatus pop_wait(unsigned worker, Element& e, Deadline deadline) override {
+    PopStatus status = PopStatus::closed;
+    restored(e, [&](Element& word) {
+      status = queue_->pop_wait(worker, word, deadline);
+      return status == PopStatus::success;
+    });
+    return status;
+  }
+  void close() override { queue_->close(); }
+
+  std::size_t push_bulk(unsigned worker, std::span<const Element> elements) override {
+    std::vector<Element> words(elements.begin(), elements.end());
+    for (Element& word : words) word = complement_(word);
+    return queue_->push_bulk(worker, words);
+  }
+  std::size_t pop_bulk(unsigned worker, std::span<Element> elements) override {
+    const std::size_t count = queue_->pop_bulk(worker, elements);
+    for (Element& e : elements.first(std::min(count, elements.size()))) e = complement_(e);
+    return count;
+  }
+
+ private:
+  template <class Pop>
+  bool restored(Element& e, Pop pop) {
     Element word = complement_(e);
-    if (!queue_->pop(worker, word)) return false;
+    if (!pop(word)) return false;
     e = complement_(word);
     return true;
   }
 
- private:
   std::unique_ptr<ElementQueue> queue_;
   Complement complement_;
 };

@@ -98,7 +98,6 @@ class FaultRun {
   }
 
   const char* pop(ElementQueue& queue, unsigned worker) {
-    if (assignment_.pop_waits && due_ == 0) return nullptr;
     Element e = 0;
     if (call(Doing::pop, [&] { return queue.pop(worker, e); }) != Reply::yes) return nullptr;
     const auto i =

@@ -64,10 +64,9 @@ class Session {
 
   void stress(const QueueEntry& queue) {
     if (!has_elements(queue.claims)) return tell_no_elements(queue);
-    const OnEmpty on_empty = find_on_empty(queue);
-    if (on_empty == OnEmpty::waits_for_ever) return tell_waits_for_ever(queue);
-    const std::vector<Job> jobs = plan(queue, on_empty == OnEmpty::waits);
-    pop_waits_ = waits_untold_ = on_empty == OnEmpty::waits;
+    if (!pop_answers_on_empty(queue)) return tell_pop_waits(queue);
+    const std::vector<Job> jobs = plan(queue);
+    if (jobs.empty()) return tell_not_tried(queue, "it has no method that these scenarios call");
     double weight = 0;
     for (const Job& job : jobs) weight += job.weight;
     for (const Job& job : jobs) run(queue, job, options_.seconds * job.weight / weight);
@@ -100,41 +99,41 @@ class Session {
     return result;
   }
 
-  void tell_no_elements(const QueueEntry& queue) {
+  void tell_not_tried(const QueueEntry& queue, const std::string& why) {
     Result result = untried(queue);
-    result.limits.push_back(
-        fmt::format("not tried: an element here is a number of 40 bits and its worker's above it, "
-                    "and this queue leaves {:#x} of that unused",
-                    queue.claims.unused_bits & element_bits));
+    result.limits.push_back("not tried: " + why);
     fmt::print("{}", to_text(result));
     results_.push_back(std::move(result));
   }
 
+  void tell_no_elements(const QueueEntry& queue) {
+    tell_not_tried(queue, fmt::format("an element here is a number of 40 bits and its worker's "
+                                      "above it, and this queue leaves {:#x} of that unused",
+                                      queue.claims.unused_bits & element_bits));
+  }
+
   /// No suite could do more than hang.
-  void tell_waits_for_ever(const QueueEntry& queue) {
+  void tell_pop_waits(const QueueEntry& queue) {
     Result result = untried(queue);
     result.findings.push_back(
         {.claim = "pop answers on an empty queue",
-         .evidence = fmt::format(
-             "a pop on a new queue did not return for a second, nor when the word {:#x} was "
-             "pushed, "
-             "which closes queues whose pop waits; the contract says that pop answers false",
-             close_word),
+         .evidence = "a pop on a new queue did not return for a second; the contract says that pop "
+                     "answers false there, and calls a pop that waits pop_wait, which comes with "
+                     "close() (queues/work_queue.hpp)",
          .repeat = fmt::format("./irt stress --queue {}{}", queue.name, plugin_options())});
     fmt::print("{}", to_text(result));
     results_.push_back(std::move(result));
   }
 
-  [[nodiscard]] std::vector<Job> plan(const QueueEntry& queue, bool pop_waits) const {
+  [[nodiscard]] std::vector<Job> plan(const QueueEntry& queue) const {
     std::vector<Job> jobs;
     if (chosen(options_.suites, "scenarios")) {
-      for (const Scenario& scenario : pop_waits ? waiting_scenarios() : scenarios()) {
-        if (!chosen(options_.scenarios, scenario.name)) continue;
-        jobs.push_back(scenario_job(scenario));
-      }
-      for (const Scenario& scenario : contention_scenarios())
-        if (!pop_waits && named(options_.scenarios, scenario.name))
+      for (const Scenario& scenario : scenarios())
+        if (chosen(options_.scenarios, scenario.name) &&
+            allows(queue.methods, queue.claims, scenario))
           jobs.push_back(scenario_job(scenario));
+      for (const Scenario& scenario : contention_scenarios())
+        if (named(options_.scenarios, scenario.name)) jobs.push_back(scenario_job(scenario));
     }
     // The others need signals that stop a thread at once and an allocator of our own.
     if (sanitizer != Sanitizer::none || !chosen(options_.scenarios, "all")) return jobs;
@@ -142,7 +141,7 @@ class Session {
     if (chosen(options_.suites, "sustained")) {
       jobs.push_back({"sustained", nullptr, 6, run_sustained});
     }
-    if (chosen(options_.suites, "progress") && !pop_waits) {
+    if (chosen(options_.suites, "progress")) {
       jobs.push_back({"progress", nullptr, own ? 0.1 : 4, run_progress});
     }
     if (chosen(options_.suites, "faults")) jobs.push_back({"faults", nullptr, 0.5, run_faults});
@@ -163,12 +162,7 @@ class Session {
     result.seed = options_.seed;
     result.third_party = is_third_party(queue.name);
     const std::string repeat = repeat_command(queue, job, seconds);
-    const Assignment assignment{queue, clock_, seconds, options_.seed, repeat, pop_waits_};
-    if (std::exchange(waits_untold_, false)) {
-      result.limits.emplace_back(
-          "pop waits on an empty queue until it is closed: only the scenarios for such queues run, "
-          "and progress does not");
-    }
+    const Assignment assignment{queue, clock_, seconds, options_.seed, repeat};
     const bool terminal = isatty(STDOUT_FILENO) != 0;
     const auto start = std::chrono::steady_clock::now();
     const auto progress = [&](std::uint64_t operations) {
@@ -214,8 +208,6 @@ class Session {
   const Options& options_;
   const ClockQuality& clock_;
   std::vector<Result> results_;
-  bool pop_waits_ = false;     ///< of the queue under test
-  bool waits_untold_ = false;  ///< and no result says so yet
 };
 
 void check_choice(const std::vector<std::string>& choice, std::string_view kind,
@@ -228,7 +220,7 @@ void check_choice(const std::vector<std::string>& choice, std::string_view kind,
 
 void check_names(const Options& options) {
   std::vector<std::string_view> known{"all"};
-  for (const auto kind : {scenarios(), waiting_scenarios(), contention_scenarios()})
+  for (const auto kind : {scenarios(), contention_scenarios()})
     for (const Scenario& scenario : kind) known.push_back(scenario.name);
   check_choice(options.scenarios, "scenario", known);
   known = {"all"};
@@ -247,7 +239,7 @@ void check_names(const Options& options) {
 
 void list() {
   fmt::print("scenarios\n");
-  for (const auto kind : {scenarios(), waiting_scenarios(), contention_scenarios()})
+  for (const auto kind : {scenarios(), contention_scenarios()})
     for (const Scenario& s : kind) fmt::print("  {:<30} {}\n", s.name, s.summary);
   fmt::print("suites\n  {}\n", fmt::join(suite_names, ", "));
 }

@@ -113,7 +113,6 @@ class Churn {
     if (pushed_.load(std::memory_order_relaxed) % period < most_inside / 2 &&
         inside() < most_inside / 2 && !refused_.load(std::memory_order_relaxed))
       return false;
-    if (assignment_.pop_waits && inside() == 0) return false;
     const Call call(slots_[worker], Doing::pop);
     Element e = 0;
     if (!queue.pop(worker, e)) return false;

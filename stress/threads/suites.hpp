@@ -17,8 +17,7 @@ struct Assignment {
   const ClockQuality& clock;
   double seconds = 1;
   std::uint64_t seed = 1;
-  std::string repeat;      ///< the command line that repeats it
-  bool pop_waits = false;  ///< `pop` does not answer *empty*: it waits until `close_word`
+  std::string repeat;  ///< the command line that repeats it
 };
 
 /// Rounds of one scenario, short and long, disturbed and not, each on a new queue and judged by the
@@ -34,15 +33,9 @@ void run_faults(const Assignment& assignment, Messenger& messenger);
 /// Long runs without logs, counted at moments at which everybody stands still.
 void run_sustained(const Assignment& assignment, Messenger& messenger);
 
-/// What `pop` does on an empty queue.
-enum class OnEmpty : std::uint8_t {
-  answers,         ///< false, as the contract says
-  waits,           ///< waits until `close_word` is pushed, then answers false
-  waits_for_ever,  ///< waits, whatever is pushed but an element
-};
-
-/// Finds out by trying, in a child process; takes more than a second if `pop` waits.
-OnEmpty find_on_empty(const QueueEntry& queue);
+/// Whether `pop` of an empty queue returns. Tries it in a child process; takes more than a second
+/// if it does not.
+bool pop_answers_on_empty(const QueueEntry& queue);
 
 /// Memory held against live elements.
 void run_memory(const Assignment& assignment, Messenger& messenger);

@@ -73,7 +73,6 @@ class Life {
   Life(const Assignment& assignment, const Roles& roles, std::size_t capacity, Traffic traffic,
        std::vector<Slot>& slots, std::uint64_t seed)
       : claims_(assignment.queue.claims),
-        pop_waits_(assignment.pop_waits),
         roles_(roles),
         capacity_(capacity),
         traffic_(traffic),
@@ -108,7 +107,7 @@ class Life {
           const bool pushed = pushes && push(worker, slot);
           if (!pushed && !pops) std::this_thread::yield();
           rest(random);
-          const bool popped = pops && (pushed || !pop_waits_) && pop(worker, slot);
+          const bool popped = pops && pop(worker, slot);
           if (!popped && !pushes) std::this_thread::yield();
           rest(random);
         }
@@ -121,7 +120,7 @@ class Life {
   std::optional<Finding> count() {
     const Sums pushed = total(&Account::pushed);
     const std::uint64_t before = total(&Account::popped).count;
-    std::uint64_t left = pushed.count - std::min(before, pushed.count) + (pop_waits_ ? 0 : 1'000);
+    std::uint64_t left = pushed.count - std::min(before, pushed.count) + 1'000;
     std::optional<unsigned> denied;  // a worker who found nothing before others found something
     bool false_empty = false;
     for (bool found = true; found && left > 0;) {
@@ -280,7 +279,6 @@ class Life {
   }
 
   const Claims& claims_;
-  bool pop_waits_;  ///< so that nobody may pop what was not pushed
   Roles roles_;
   std::size_t capacity_;
   Traffic traffic_;
@@ -371,11 +369,6 @@ class Sustained {
 }  // namespace
 
 void run_sustained(const Assignment& assignment, Messenger& messenger) {
-  const Claims& claims = assignment.queue.claims;
-  if (assignment.pop_waits && !claims.many_to_many()) {
-    messenger.limit("sustained: who only pops would wait for ever when the others stop: not run");
-    return;
-  }
   install_signals();
   std::uint64_t points = 0;
   for (const unsigned threads : {4U, 8U}) {

@@ -38,6 +38,7 @@ class ThreadCore final : public Core {
     }
   }
   Stamp stamp() override { return stamp_after(); }
+  Deadline now() override { return Deadline::clock::now(); }
   std::unique_ptr<ElementQueue> another_queue(unsigned workers, std::size_t capacity) override {
     return make_(workers, capacity);
   }

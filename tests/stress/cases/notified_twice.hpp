@@ -1,16 +1,13 @@
 /// pingcap/tiflash#3647 (2021): who waits stands in a line and takes itself out when it has run;
-/// two pushes before that notify the same one, and the second in line sleeps on. pop() parks until
-/// `close_word` was pushed.
+/// two pushes before that notify the same one, and the second in line sleeps on.
 #pragma once
 
 #include <condition_variable>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <string_view>
 
-#include "queues/word.hpp"
 #include "queues/work_queue.hpp"
 
 namespace irt {
@@ -25,11 +22,7 @@ class NotifiedTwice_ {
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
-    if (word_of(task) == ~std::uint64_t{1}) {
-      closed_ = true;
-      for (Waiter* waiter : line_) waiter->wake();
-      return true;
-    }
+    if (closed_) return false;
     held_.push_back(task);
     if (line_.empty()) return true;
     line_.front()->wake();
@@ -38,6 +31,11 @@ class NotifiedTwice_ {
   }
 
   bool pop(unsigned /*worker*/, T& task) {
+    const std::lock_guard lock(mutex_);
+    return take(task);
+  }
+
+  bool pop_wait(unsigned /*worker*/, T& task) {
     std::unique_lock lock(mutex_);
     while (held_.empty() && !closed_) {
       Waiter self;
@@ -45,13 +43,23 @@ class NotifiedTwice_ {
       self.changed.wait(lock, [&] { return self.woken; });
       std::erase(line_, &self);
     }
+    return take(task);
+  }
+
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    for (Waiter* waiter : line_) waiter->wake();
+  }
+
+ private:
+  bool take(T& task) {
     if (held_.empty()) return false;
     task = held_.front();
     held_.pop_front();
     return true;
   }
 
- private:
   struct Waiter {
     void wake() {
       woken = true;

@@ -1,5 +1,5 @@
-/// Channels that take nothing more once `close_word` was pushed; pop() parks until then. They may
-/// say so by refusing a push, but not drop it, nor refuse one before.
+/// Channels that take nothing more once they are closed. They say so by refusing a push; they may
+/// not drop it, nor refuse one before.
 #pragma once
 
 #include <condition_variable>
@@ -9,7 +9,6 @@
 #include <mutex>
 #include <string_view>
 
-#include "queues/word.hpp"
 #include "queues/work_queue.hpp"
 
 namespace irt {
@@ -26,11 +25,6 @@ class RefusesClosed_ {
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
-    if (word_of(task) == ~std::uint64_t{1}) {
-      closed_ = true;
-      changed_.notify_all();
-      return true;
-    }
     if (refuses == Refuses::too_soon && held_.size() == 1) return false;
     if (closed_) return refuses == Refuses::silently;
     held_.push_back(task);
@@ -39,15 +33,30 @@ class RefusesClosed_ {
   }
 
   bool pop(unsigned /*worker*/, T& task) {
+    const std::lock_guard lock(mutex_);
+    return take(task);
+  }
+
+  bool pop_wait(unsigned /*worker*/, T& task) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !held_.empty(); });
+    return take(task);
+  }
+
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  bool take(T& task) {
     if (held_.empty()) return false;
     task = held_.front();
     held_.pop_front();
     return true;
   }
 
- private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<T> held_;
@@ -66,7 +75,7 @@ template <class T>
 class RefusesTooSoonBug : public RefusesClosed_<T, Refuses::too_soon> {
   using RefusesClosed_<T, Refuses::too_soon>::RefusesClosed_;
 };
-/// For one producer, and who closes it is one.
+/// For one producer; anybody may close it.
 template <class T>
 class ClosedInTurn : public RefusesClosed<T> {
  public:

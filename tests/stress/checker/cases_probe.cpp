@@ -24,6 +24,7 @@
 #include "tests/stress/cases/thread_keys.hpp"
 #include "tests/stress/cases/traps.hpp"
 #include "tests/stress/cases/unpublished.hpp"
+#include "tests/stress/cases/waiting_pops.hpp"
 #include "tests/stress/cases/waits_for_recycled.hpp"
 #include "tests/stress/cases/walked_places.hpp"
 
@@ -50,6 +51,16 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::ClosedInTurn>("closed-in-turn"),
     irt::queue_entry<irt::DropsClosedBug>("drops-closed-bug"),
     irt::queue_entry<irt::RefusesTooSoonBug>("refuses-too-soon-bug"),
+    irt::queue_entry<irt::WaitsSound>("waits"),
+    irt::queue_entry<irt::WaitsImpatientBug>("waits-impatient-bug"),
+    irt::queue_entry<irt::WaitsDeafBug>("waits-deaf-bug"),
+    irt::queue_entry<irt::WaitsAcceptsBug>("waits-accepts-bug"),
+    irt::queue_entry<irt::WaitsLeavesBehindBug>("waits-leaves-behind-bug"),
+    irt::queue_entry<irt::PopsForEver>("pops-for-ever-bug"),
+    irt::queue_entry<irt::BulkySound>("bulky"),
+    irt::queue_entry<irt::BulkyDropsBug>("bulky-drops-bug"),
+    irt::queue_entry<irt::BulkyBackwardsBug>("bulky-backwards-bug"),
+    irt::queue_entry<irt::BulkyBoastsBug>("bulky-boasts-bug"),
     irt::queue_entry<irt::SharedLineBug>("shared-line-bug"),
     irt::queue_entry<irt::SharedLineFixed>("shared-line-fixed"),
     irt::queue_entry<irt::CallResultBug>("call-result-bug"),

@@ -14,8 +14,9 @@ namespace {
 
 constexpr Claims own{.producers = Callers::own_worker, .consumers = Callers::own_worker};
 
-std::vector<Shape> generated(const Claims& claims, std::uint64_t seed, unsigned count = 300) {
-  GeneratedShapes shapes(claims, seed);
+std::vector<Shape> generated(const Claims& claims, std::uint64_t seed, unsigned count = 300,
+                             const Methods& methods = {}) {
+  GeneratedShapes shapes(claims, methods, seed);
   std::vector<Shape> result;
   for (unsigned i = 0; i < count; ++i) result.push_back(shapes.next());
   return result;
@@ -75,6 +76,23 @@ TEST(GeneratedShapes, let_a_worker_push_and_pop_where_its_claims_allow) {
   EXPECT_TRUE(any(generated(own, 1), both_in_one_thread));
   EXPECT_TRUE(any(generated({.consumers = Callers::one}, 1), both_in_one_thread));
   EXPECT_TRUE(any(generated(single, 1), both_in_one_thread));
+}
+
+TEST(GeneratedShapes, call_the_optional_methods_and_leave_nobody_waiting) {
+  constexpr Methods every{.pop_wait = true, .deadline = true, .bulk = true};
+  for (const Claims& claims : {anything, single, Claims{}}) {
+    const std::vector<Shape> shapes = generated(claims, 1, 600, every);
+    for (const Shape& shape : shapes) {
+      EXPECT_TRUE(allows(claims, shape)) << to_string(shape);
+      EXPECT_FALSE(may_starve(shape, claims.bounded)) << to_string(shape);
+    }
+    for (const char letter : {'P', 'L', 'C', 'B', 'G', 'D', 'E'})
+      EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) {
+        return to_string(s).find(letter) != std::string::npos;
+      })) << letter;
+  }
+  for (const Shape& shape : generated(anything, 1))
+    EXPECT_EQ(obstacle({}, shape), "") << to_string(shape);
 }
 
 TEST(AllClients, of_two_calls_are_these) {

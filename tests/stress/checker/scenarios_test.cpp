@@ -30,7 +30,7 @@ class ScenariosOfMutants : public testing::Test {
   }
   /// The scenario that shows it on real threads.
   static const stress::Scenario& scenario_of(const stress::Mutant& mutant) {
-    return scenario_at(std::string(mutant.scenario.name), false);
+    return scenario_at(std::string(mutant.scenario.name), mutant.queue);
   }
   ShapeResult sample(const QueueEntry& queue, const stress::Scenario& scenario,
                      CheckSettings settings) {
@@ -57,7 +57,7 @@ TEST_F(ScenariosOfMutants, BugsAreFoundThatOnlyAMemoryModelShows) {
 
 TEST_F(ScenariosOfMutants, AContentionScenarioFindsABugAndPassesItsTwin) {
   const stress::Mutant broken = mutant("m02");
-  const stress::Scenario& pairs = scenario_at("contention/pairs", false);
+  const stress::Scenario& pairs = scenario_at("contention/pairs", broken.queue);
   EXPECT_TRUE(sample(broken.queue, pairs, quick(20)).result.finding);
   EXPECT_FALSE(sample(broken.twin, pairs, quick(0.3)).result.finding);
 }
@@ -119,7 +119,8 @@ TEST_P(ScenariosOfQueues, FindNothing) {
   all.insert(all.end(), stress::contention_scenarios().begin(),
              stress::contention_scenarios().end());
   for (const stress::Scenario& scenario : all) {
-    if (scenario.generations != 1) continue;
+    if (scenario.generations != 1 || !stress::allows(entry.methods, entry.claims, scenario))
+      continue;
     const ShapeResult result = sample_scenario(entry, module, scenario, quick(0.1), "");
     EXPECT_FALSE(result.result.finding) << scenario.name << ": " << result.result.finding->text;
     EXPECT_GT(result.result.complete, 0U) << scenario.name;
@@ -128,20 +129,26 @@ TEST_P(ScenariosOfQueues, FindNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ScenariosOfQueues,
-                         testing::Values("lock", "local", "vyukov-ring", "lfree"),
+                         testing::Values("lock", "local", "mutex", "vyukov-ring-waiting",
+                                         "lfree-waiting"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            std::erase(name, '-');
                            return name;
                          });
 
-TEST(ScenarioNames, ThoseOfTheOtherKindOfPopAreRefused) {
-  EXPECT_EQ(scenario_at("mpmc", false).name, "mpmc");
-  EXPECT_EQ(scenario_at("parked", true).name, "parked");
-  EXPECT_THROW(scenario_at("parked", false), UsageError);
-  EXPECT_THROW(scenario_at("mpmc", true), UsageError);
-  EXPECT_THROW(scenario_at("no-such-scenario", false), UsageError);
-  EXPECT_THROW(scenario_at("come-and-go", false), UsageError);
+TEST(ScenarioNames, ThoseThatTheQueueCannotBeUsedInAreRefused) {
+  QueueEntry entry;
+  EXPECT_EQ(scenario_at("mpmc", entry).name, "mpmc");
+  EXPECT_THROW(scenario_at("parked", entry), UsageError);
+  EXPECT_THROW(scenario_at("bulk", entry), UsageError);
+  EXPECT_THROW(scenario_at("no-such-scenario", entry), UsageError);
+  EXPECT_THROW(scenario_at("come-and-go", entry), UsageError);
+  entry.methods.pop_wait = true;
+  EXPECT_EQ(scenario_at("parked", entry).name, "parked");
+  EXPECT_THROW(scenario_at("parked-for-a-while", entry), UsageError);
+  entry.claims.max_workers = 1;
+  EXPECT_THROW(scenario_at("parked", entry), UsageError);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "stress/checker/batteries.hpp"
-#include "stress/checker/parking.hpp"
 #include "tests/stress/checker/claims.hpp"
 
 namespace irt::checker {
@@ -47,10 +46,10 @@ TEST(Shapes, are_refused_with_a_reason) {
 }
 
 TEST(Shapes, give_a_role_for_one_to_one_at_a_time) {
-  for (const char* text : {"E|D", "ED|S", "EES|WED", "EEWD|DS", "EE:D|E", "EC|D", "E:D|C"})
+  for (const char* text : {"E|D", "ED|S", "EES|WED", "EEWD|DS", "EE:D|E", "EC|D", "E:D|C", "E|C|D"})
     EXPECT_TRUE(allows(single, parse_shape(text))) << text;
   for (const char* text : {"E|E", "D|D", "ED|D", "ESE|WE", "ES|EWE", "ES|WE|WE", "ES|SD|WE",
-                           "F|D|D", "R|D", "EESD|WE", "DSE|EWD", "E|C|D", "ESC|WE"})
+                           "F|D|D", "R|D", "EESD|WE", "DSE|EWD"})
     EXPECT_FALSE(allows(single, parse_shape(text))) << text;
   EXPECT_TRUE(allows(anything, parse_shape("ED|ED|F")));
 }
@@ -134,7 +133,35 @@ TEST(Batteries, destroy_queues_with_elements_inside) {
     EXPECT_GE(left(battery(claims)), 3);
     EXPECT_GE(left(aged_battery(claims)), 4);
   }
-  EXPECT_GE(left(parking_battery({})), 3);
+}
+
+TEST(Shapes, that_may_leave_a_waiting_pop_without_an_element_are_known) {
+  for (const char* text : {"E|P", "EE:P|D", "EE|P|P", "C|P", "E|C|P", "P|C", "EC|P|P|P", "PE|E",
+                           "EP|EP", "E|L", "L|L", "B|P|D", "PC|E", "C:P|P", "E|D;CP", "ES|WP"})
+    EXPECT_FALSE(may_starve(parse_shape(text), false)) << text;
+  for (const char* text : {"P", "E|PP", "PE|PE", "E:P|D", "E|P|L", "E|P|D", "EE|G|P", "E|P;P",
+                           "P:E", "E:R|P", "WE|PS", "E|P|P;C"})
+    EXPECT_TRUE(may_starve(parse_shape(text), false)) << text;
+  EXPECT_TRUE(may_starve(parse_shape("EE|PP@1"), true)) << "a push may find no place";
+  EXPECT_FALSE(may_starve(parse_shape("EEC|PP@1"), true));
+  EXPECT_FALSE(may_starve(parse_shape("EE|PP"), true)) << "room for both";
+}
+
+TEST(Batteries, leave_nobody_waiting_and_call_what_there_is) {
+  constexpr Methods every{.pop_wait = true, .deadline = true, .bulk = true};
+  for (const Claims& claims : {anything, single, Claims{}}) {
+    for (const std::string& text : battery(claims, every))
+      EXPECT_FALSE(may_starve(parse_shape(text), claims.bounded)) << text;
+    for (const std::string& text : battery(claims))
+      EXPECT_EQ(obstacle({}, parse_shape(text)), "") << text;
+    const auto with = [&](char letter) {
+      const auto shapes = battery(claims, every);
+      return std::count_if(shapes.begin(), shapes.end(), [&](const std::string& text) {
+        return text.find(letter) != std::string::npos;
+      });
+    };
+    for (const char letter : {'P', 'C', 'L', 'B', 'G'}) EXPECT_GE(with(letter), 3) << letter;
+  }
 }
 
 TEST(Batteries, let_each_thread_do_what_the_claims_allow) {

@@ -38,6 +38,7 @@ class LoneCore final : public Core {
   using Core::Core;
   void idle() override { ++now_; }
   Stamp stamp() override { return ++now_; }
+  Deadline now() override { return Deadline::clock::now(); }
   std::unique_ptr<ElementQueue> another_queue(unsigned /*workers*/, std::size_t capacity) override {
     return std::make_unique<Plain>(capacity);
   }
@@ -51,9 +52,11 @@ class LoneCore final : public Core {
   Stamp now_ = 0;
 };
 
-/// All for queues whose pop answers "empty".
+/// All for queues without optional methods.
 std::vector<Scenario> all_scenarios() {
-  std::vector<Scenario> all(scenarios().begin(), scenarios().end());
+  std::vector<Scenario> all;
+  for (const Scenario& scenario : scenarios())
+    if (allows(Methods{}, Claims{}, scenario)) all.push_back(scenario);
   all.insert(all.end(), contention_scenarios().begin(), contention_scenarios().end());
   return all;
 }

@@ -33,6 +33,7 @@ TEST(ClaimsOnThreads, AsksForNoMoreThanIsClaimed) {
                                queue_entry<KnowsEachWorker>("knows-each-worker")};
   for (const QueueEntry& queue : modest) {
     for (const Scenario& scenario : scenarios()) {
+      if (!allows(queue.methods, queue.claims, scenario)) continue;
       const Result result = run_on(queue, scenario.name, 0.1);
       EXPECT_TRUE(result.findings.empty())
           << queue.name << " in " << scenario.name << ": " << claim_of(result) << "\n"
@@ -88,9 +89,6 @@ TEST(ClaimsOnThreads, ComplementsAreTheirOwnInverseAndKeepWhatIsClaimed) {
     EXPECT_EQ(complement(complement(e)), e);
     EXPECT_EQ(seen.allows(e), claims.allows(complement(e))) << e;
   }
-  const Complement whole(Claims{});
-  EXPECT_EQ(whole(close_word), close_word);
-  EXPECT_EQ(whole(element(0, 1)), element(0, 1));  // would close
   claims = {.all_ones_reserved = true};
   EXPECT_FALSE(Complement(claims).seen(claims)->allows(0));
   claims.reserved = {1, 2, 3, 4};

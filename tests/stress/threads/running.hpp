@@ -12,10 +12,9 @@ namespace irt::stress {
 
 using Suite = std::function<void(const Assignment&, Messenger&)>;
 
-inline Result run(const QueueEntry& entry, double seconds, const Suite& suite,
-                  bool pop_waits = false) {
+inline Result run(const QueueEntry& entry, double seconds, const Suite& suite) {
   static const ClockQuality clock = calibrate();
-  const Assignment assignment{entry, clock, seconds, 1, "repeat", pop_waits};
+  const Assignment assignment{entry, clock, seconds, 1, "repeat"};
   Result result;
   result.queue = entry.name;
   run_in_child(
