@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bench/contention/seat.hpp"
+#include "queues/work_queue.hpp"
 #include "stress/history/clock.hpp"
 
 namespace irt::contention {
@@ -54,8 +55,22 @@ class Hand {
     return false;
   }
 
-  /// The same, with work after it. To ask whether a push came before the end takes registers that
-  /// loops then lack, and loops that go on ask `running`.
+  /// Sleeps until there is an element; false once the queue is closed.
+  [[gnu::always_inline]] bool pop_wait() {
+    std::uint64_t element = 0;
+    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
+    bool found = false;
+    if constexpr (PopsWaiting<Queue, std::uint64_t>) found = queue_.pop_wait(worker_, element);
+    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
+    if (stamped && found) seat_.pop_times.record(end - begin);
+    return popped(found, element);
+  }
+  void close() {
+    if constexpr (PopsWaiting<Queue, std::uint64_t>) queue_.close();
+  }
+
+  /// Pushes and pops until it succeeds, with work after it. To ask whether a push came before the
+  /// end takes registers that loops then lack, and loops that go on ask `running`.
   [[gnu::always_inline]] bool put() { return put(fresh()); }
   [[gnu::always_inline]] bool put_back() { return put(taken_); }
   [[gnu::always_inline]] bool take() {

@@ -35,12 +35,10 @@ void drop_repeats(std::vector<T>& values) {
   values = std::move(once);
 }
 
-// What the claims, or a baseline's lack of elements, do not allow; empty where there is nothing.
-std::string obstacle(const Scenario& scenario, const Roles& roles, const Claims& claims) {
-  if (scenario.needs_elements() && !claims.carries_elements) {
-    return "it carries no elements, and a task says what comes of it";
-  }
-  return contention::obstacle(roles, claims);
+// What keeps the queue from playing; empty where there is nothing.
+std::string obstacle(const Scenario& scenario, const Roles& roles, const QueueEntry& queue) {
+  const std::string_view why = scenario.obstacle(queue.claims, queue.methods);
+  return why.empty() ? contention::obstacle(roles, queue.claims) : std::string(why);
 }
 
 std::vector<std::string> with_baselines(const std::vector<std::string>& names) {
@@ -94,8 +92,8 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
     if (number % plan.shards != plan.shard) return;
     const Roles roles = chosen.roles(threads);
     for (const std::string& name : plan.queues) {
-      const Claims& claims = queues.at_or_counter(name).claims;
-      const std::string why = obstacle(*chosen.scenario, roles, claims);
+      const QueueEntry& queue = queues.at_or_counter(name);
+      const std::string why = obstacle(*chosen.scenario, roles, queue);
       if (!why.empty()) {
         left_out.insert(fmt::format("{} does not play {}: {}", name, chosen.name(), why));
         continue;

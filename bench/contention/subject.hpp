@@ -26,7 +26,7 @@ class Subject {
   virtual bool pop(unsigned worker, std::uint64_t& element) = 0;
 };
 
-/// `second` is made for `ping_pong` only.
+/// `second` is made for scenarios of two queues.
 template <class Queue>
 class SubjectOf final : public Subject {
  public:

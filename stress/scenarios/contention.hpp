@@ -11,7 +11,10 @@
 ///     running()                 whether to go on; what every loop asks that has no other end
 ///     push(), pop()             one try with an element of its own; false for full, for empty
 ///     push_until_accepted(), pop_until_found()   tries until then; false where the end comes first
-///     put(), take()             the same, and the work that follows an operation; at the end put
+///     pop_wait()                a pop that sleeps until then; false where the queue is closed
+///     close()                   the queue, at the end, for whoever sleeps there
+///     put(), take()             push_until_accepted and pop_until_found, and the work that follows
+///     an operation; at the end put
 ///                               may answer true as well
 ///     put_back()                put, of what was taken last (of another, where each goes once);
 ///                               nothing at the end
@@ -119,6 +122,24 @@ template <class Hand>
   }
 }
 
+/// The same with one that sleeps: how long it takes from a push until the other one has woken.
+template <class Hand>
+[[gnu::always_inline]] inline void wake(Hand&& ping, Hand&& pong) {
+  const bool sends = ping.produces();
+  Hand& there = sends ? ping : pong;
+  Hand& back = sends ? pong : ping;
+  while (there.running() && (sends || back.pop_wait())) {
+    if (!sends) back.work();
+    if (!there.push_until_accepted()) break;
+    if (sends) {
+      if (!back.pop_wait()) break;
+      there.work();
+    }
+  }
+  there.close();
+  back.close();
+}
+
 /// The renderer's shape. A frame starts with a share of tasks from each thread; a task leads to up
 /// to six more, of which each leads to up to two; a thread that finds the queue empty waits for the
 /// others at the end of the frame, and so does the time they take. What a full queue does not take
@@ -141,7 +162,16 @@ template <class Hand>
   }
 }
 
-enum class Program : std::uint8_t { pairs, exchange, bursts, coin_toss, sides, ping_pong, frames };
+enum class Program : std::uint8_t {
+  pairs,
+  exchange,
+  bursts,
+  coin_toss,
+  sides,
+  ping_pong,
+  wake,
+  frames
+};
 
 /// Runs `program` with a `Hand(queue, rest...)` on `first`, and where there are two queues one on
 /// `second`. Each program has a hand to itself: one that several share would have to live in
@@ -165,6 +195,8 @@ template <class Hand, class Queue, class... Rest>
       // Each thread pushes into one queue only and pops from the other only, so that what two hands
       // count of one thread does not overlap.
       return ping_pong(Hand(first, rest...), Hand(*second, rest...));
+    case Program::wake:
+      return wake(Hand(first, rest...), Hand(*second, rest...));
   }
 }
 
@@ -179,8 +211,21 @@ struct Scenario {
   double producer_pause_ns = 0;  ///< on top of the work between operations
   double prefill = 0;            ///< share of the capacity that is inside all the time
 
-  [[nodiscard]] constexpr bool has_two_queues() const { return program == Program::ping_pong; }
+  [[nodiscard]] constexpr bool has_two_queues() const {
+    return program == Program::ping_pong || needs_pop_wait();
+  }
+  [[nodiscard]] constexpr bool needs_pop_wait() const { return program == Program::wake; }
   [[nodiscard]] constexpr bool needs_elements() const { return program == Program::frames; }
+
+  /// Why a queue with these claims and optional methods cannot play it, apart from who pushes and
+  /// who pops; empty if it can.
+  [[nodiscard]] constexpr std::string_view obstacle(const Claims& claims,
+                                                    const Methods& methods) const {
+    if (needs_elements() && !claims.carries_elements)
+      return "it carries no elements, and a task says what comes of it";
+    if (needs_pop_wait() && !methods.pop_wait) return "it has no pop_wait";
+    return {};
+  }
 };
 
 constexpr Roles halves(unsigned threads) {
@@ -244,6 +289,11 @@ inline constexpr std::array scenario_table{
     Scenario{.name = "ping-pong",
              .operation_mix = "couples pass one element to and fro over two queues",
              .program = Program::ping_pong,
+             .roles = couples,
+             .least_threads = 2},
+    Scenario{.name = "wake",
+             .operation_mix = "ping-pong with pop_wait; one element's way to a thread that sleeps",
+             .program = Program::wake,
              .roles = couples,
              .least_threads = 2},
     Scenario{.name = "renderer",

@@ -31,6 +31,8 @@ class CoreHand {
   bool pop_until_found() {
     return until([this] { return pop(); });
   }
+  bool pop_wait() { return core_.pop_wait().has_value(); }
+  void close() { core_.close(); }
   bool put() {
     const bool done = push_until_accepted();
     work();

@@ -216,24 +216,25 @@ bool simulate_all(std::span<const Task> tasks, const SweepOptions& options,
 
 namespace {
 
-// What a module claims; nothing where it does not load.
-std::optional<Claims> claims_of(const std::filesystem::path& file) {
+// What the queue of a module claims and has; nothing where it does not load.
+std::optional<std::pair<Claims, Methods>> queue_in(const std::filesystem::path& file) {
   try {
     const virtual_cores::Module module(file);
-    return virtual_cores::queue_of(module).claims;
+    const QueueEntry& entry = virtual_cores::queue_of(module);
+    return std::pair(entry.claims, entry.methods);
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
 }
 
-// Why a queue cannot be run in a scenario, by its claims; empty if it can.
+// Why a queue cannot be run in a scenario; empty if it can.
 std::string obstacle(const Point& point) {
   if (point.scenario == nullptr || point.threads == 1) return {};
-  const std::optional<Claims> read = claims_of(point.module);
+  const auto read = queue_in(point.module);
   if (!read) return {};  // to be told by each of its points
-  if (point.scenario->needs_elements() && !read->carries_elements)
-    return "it carries no elements, and a task says what comes of it";
-  return irt::obstacle(*read, roles_of(point));
+  const auto& [claims, methods] = *read;
+  const std::string_view why = point.scenario->obstacle(claims, methods);
+  return why.empty() ? irt::obstacle(claims, roles_of(point)) : std::string(why);
 }
 
 std::vector<Task> tasks_of(const SweepOptions& options, std::span<const Profile> profiles) {

@@ -221,6 +221,10 @@ class Run::Hand {
   }
   bool push_until_accepted() { return pushed(fresh(), Tries::all); }
   bool pop_until_found() { return popped(Tries::all); }
+  bool pop_wait() {
+    return popped(Tries::one, [this](std::uint64_t& e) { return queue_.pop_wait(thread_, e); });
+  }
+  void close() { queue_.close(); }
   bool put() { return pushed(fresh(), Tries::all_and_work); }
   bool put_back() { return running() && pushed(me_.last_popped, Tries::all_and_work); }
   bool take() { return popped(Tries::all_and_work); }
@@ -263,8 +267,12 @@ class Run::Hand {
     return done;
   }
   bool popped(Tries tries) {
+    return popped(tries, [this](std::uint64_t& e) { return queue_.pop(thread_, e); });
+  }
+  template <class Pop>
+  bool popped(Tries tries, Pop pop) {
     std::uint64_t element = 0;
-    const bool done = made(me_.pops, tries, [&] { return queue_.pop(thread_, element); });
+    const bool done = made(me_.pops, tries, [&] { return pop(element); });
     if (done) me_.popped_sum += me_.last_popped = element;
     run_.inside_ -= done ? 1 : 0;
     return done;
