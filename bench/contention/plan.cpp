@@ -108,7 +108,7 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
                           .oversubscribed = roles.workers > machine.processors.size(),
                           .type_erased = type_erased(name),
                           .not_countable = not_countable(name),
-                          .claims = claims_in_words(claims)});
+                          .claims = claims_in_words(queue.claims)});
     }
   };
   for (const std::string& name : plan.scenarios) {

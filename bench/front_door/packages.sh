@@ -30,6 +30,7 @@ declare -A package_purpose=(
   [libatomic-queue-dev]='atomic_queue, whose rings are compared'
   [liburcu-dev]='userspace RCU, whose queues are compared'
   [libck-dev]='Concurrency Kit, whose queues are compared'
+  [libreaderwriterqueue-dev]='moodycamel::ReaderWriterQueue, which is compared'
   [libpfm4-dev]='names of hardware events, for irt bench contention'
   [libbenchmark-dev]='Google Benchmark, which irt bench micro rests on'
   [valgrind]='counts instructions and cache misses for irt bench instructions'
@@ -44,7 +45,7 @@ packages_tools=(g++ cmake ninja-build libcli11-dev libfmt-dev nlohmann-json3-dev
 packages_test=("${packages_tools[@]}" libgtest-dev "$gcc_plugin")
 # Other people's queues, docs/comparators.md. The first start does without.
 packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev libatomic-queue-dev
-  liburcu-dev libck-dev)
+  liburcu-dev libck-dev libreaderwriterqueue-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev "${packages_comparators[@]}"
   libbenchmark-dev libpfm4-dev valgrind gnuplot-nox chromium)
 # What a target does without where it cannot be installed.

@@ -25,30 +25,27 @@
 
 namespace irt {
 
-template <class T>
-class CkRingQueue {
- public:
-  static constexpr std::string_view summary = "Concurrency Kit ck_ring";
-  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
-                                 .pop = Progress::lock_free,
-                                 .bounded = true,
-                                 .full = Answer::calls_in_flight,
-                                 .reclamation = Reclamation::preallocated};
+namespace detail {
 
+/// A ring with the library's functions for those who push and those who pop.
+template <class T, bool (*push_word)(irt_ck_ring*, std::uint64_t),
+          bool (*pop_word)(irt_ck_ring*, std::uint64_t*)>
+class CkRing {
+ public:
   // One place always stays free.
-  CkRingQueue(unsigned /*workers*/, std::size_t capacity)
+  CkRing(unsigned /*workers*/, std::size_t capacity)
       : ring_(irt_ck_ring_new(
             static_cast<unsigned>(std::bit_ceil(std::max<std::size_t>(capacity + 1, 4))))) {
     if (ring_ == nullptr) throw std::bad_alloc();
   }
 
-  /// Adds `task`; false if the ring is full. Blocking.
-  bool push(unsigned /*worker*/, T task) { return irt_ck_ring_push(ring_.get(), word_of(task)); }
+  /// Adds `task`; false if the ring is full. Blocking where many push, else wait-free.
+  bool push(unsigned /*worker*/, T task) { return push_word(ring_.get(), word_of(task)); }
 
-  /// Takes the oldest task; false if it sees none. Lock-free.
+  /// Takes the oldest task; false if it sees none. Lock-free; wait-free for one consumer.
   bool pop(unsigned /*worker*/, T& task) {
     std::uint64_t word = 0;
-    if (!irt_ck_ring_pop(ring_.get(), &word)) return false;
+    if (!pop_word(ring_.get(), &word)) return false;
     task = element_of<T>(word);
     return true;
   }
@@ -59,6 +56,48 @@ class CkRingQueue {
   };
 
   std::unique_ptr<irt_ck_ring, Delete> ring_;
+};
+
+}  // namespace detail
+
+template <class T>
+class CkRingQueue : public detail::CkRing<T, irt_ck_ring_push, irt_ck_ring_pop> {
+ public:
+  static constexpr std::string_view summary = "Concurrency Kit ck_ring";
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
+                                 .pop = Progress::lock_free,
+                                 .bounded = true,
+                                 .full = Answer::calls_in_flight,
+                                 .reclamation = Reclamation::preallocated};
+  using detail::CkRing<T, irt_ck_ring_push, irt_ck_ring_pop>::CkRing;
+};
+
+/// For one producer.
+template <class T>
+class CkRingSpmcQueue : public detail::CkRing<T, irt_ck_ring_push_spmc, irt_ck_ring_pop_spmc> {
+ public:
+  static constexpr std::string_view summary = "Concurrency Kit ck_ring, one producer";
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
+                                 .push = Progress::wait_free,
+                                 .pop = Progress::lock_free,
+                                 .bounded = true,
+                                 .producers = Callers::one,
+                                 .reclamation = Reclamation::preallocated};
+  using detail::CkRing<T, irt_ck_ring_push_spmc, irt_ck_ring_pop_spmc>::CkRing;
+};
+
+/// For one consumer.
+template <class T>
+class CkRingMpscQueue : public detail::CkRing<T, irt_ck_ring_push_mpsc, irt_ck_ring_pop_mpsc> {
+ public:
+  static constexpr std::string_view summary = "Concurrency Kit ck_ring, one consumer";
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
+                                 .pop = Progress::wait_free,
+                                 .bounded = true,
+                                 .full = Answer::calls_in_flight,
+                                 .consumers = Callers::one,
+                                 .reclamation = Reclamation::preallocated};
+  using detail::CkRing<T, irt_ck_ring_push_mpsc, irt_ck_ring_pop_mpsc>::CkRing;
 };
 
 }  // namespace irt

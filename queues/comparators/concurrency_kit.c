@@ -66,3 +66,19 @@ bool irt_ck_ring_push(struct irt_ck_ring* ring, uint64_t word) {
 bool irt_ck_ring_pop(struct irt_ck_ring* ring, uint64_t* word) {
   return ck_ring_dequeue_mpmc(&ring->ring, ring->places, word);
 }
+
+bool irt_ck_ring_push_spmc(struct irt_ck_ring* ring, uint64_t word) {
+  return ck_ring_enqueue_spmc(&ring->ring, ring->places, (void*)word);
+}
+
+bool irt_ck_ring_pop_spmc(struct irt_ck_ring* ring, uint64_t* word) {
+  return ck_ring_dequeue_spmc(&ring->ring, ring->places, word);
+}
+
+bool irt_ck_ring_push_mpsc(struct irt_ck_ring* ring, uint64_t word) {
+  return ck_ring_enqueue_mpsc(&ring->ring, ring->places, (void*)word);
+}
+
+bool irt_ck_ring_pop_mpsc(struct irt_ck_ring* ring, uint64_t* word) {
+  return ck_ring_dequeue_mpsc(&ring->ring, ring->places, word);
+}

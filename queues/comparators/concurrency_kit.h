@@ -30,6 +30,11 @@ struct irt_ck_ring* irt_ck_ring_new(unsigned size);
 void irt_ck_ring_delete(struct irt_ck_ring* ring);
 bool irt_ck_ring_push(struct irt_ck_ring* ring, uint64_t word);
 bool irt_ck_ring_pop(struct irt_ck_ring* ring, uint64_t* word);
+/* The same for one thread that pushes and many that pop; many that push and one that pops. */
+bool irt_ck_ring_push_spmc(struct irt_ck_ring* ring, uint64_t word);
+bool irt_ck_ring_pop_spmc(struct irt_ck_ring* ring, uint64_t* word);
+bool irt_ck_ring_push_mpsc(struct irt_ck_ring* ring, uint64_t word);
+bool irt_ck_ring_pop_mpsc(struct irt_ck_ring* ring, uint64_t* word);
 
 #ifdef __cplusplus
 }

@@ -49,6 +49,8 @@ inline const std::vector<Case> cases{
     {"waits-accepts-bug", {FindingKind::wrong_outcome}},
     {"waits-leaves-behind-bug", {FindingKind::wrong_outcome}},
     {"pops-for-ever-bug", {FindingKind::deadlock}},
+    {"proposed", {}},
+    {"proposed-deaf-bug", {FindingKind::deadlock}},
     {"bulky", {}},
     {"bulky-drops-bug", {FindingKind::wrong_outcome}},
     {"bulky-backwards-bug", {FindingKind::wrong_outcome}},

@@ -17,6 +17,7 @@
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/one_short.hpp"
 #include "tests/stress/cases/patient.hpp"
+#include "tests/stress/cases/proposed.hpp"
 #include "tests/stress/cases/refuses_closed.hpp"
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
@@ -57,6 +58,8 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::WaitsAcceptsBug>("waits-accepts-bug"),
     irt::queue_entry<irt::WaitsLeavesBehindBug>("waits-leaves-behind-bug"),
     irt::queue_entry<irt::PopsForEver>("pops-for-ever-bug"),
+    irt::queue_entry<irt::Proposed>("proposed"),
+    irt::queue_entry<irt::ProposedDeafBug>("proposed-deaf-bug"),
     irt::queue_entry<irt::BulkySound>("bulky"),
     irt::queue_entry<irt::BulkyDropsBug>("bulky-drops-bug"),
     irt::queue_entry<irt::BulkyBackwardsBug>("bulky-backwards-bug"),
