@@ -133,7 +133,7 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
   }
   line["repetitions"] = {a.size(), b.size()};
   if (a.empty() || b.empty()) {
-    line["verdict"] = statistics::words(statistics::Verdict::too_few);
+    line["verdict"] = statistics::words(statistics::Difference::too_few);
     return line;
   }
   line["median_before"] = statistics::median(a);
@@ -148,7 +148,7 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
     found = {.ratio = factor.of_medians,
              .interval = factor.interval,
              .p = statistics::mann_whitney(a, b).p,
-             .verdict = statistics::judge(a, b)};
+             .difference = statistics::judge(a, b)};
   }
   line["test"] = paired ? "signed-rank" : "mann-whitney";
   line["pairs"] = paired ? json(pairs.before.size()) : json();
@@ -156,7 +156,7 @@ nlohmann::ordered_json compared(const json& before, const json& after) {
   line["ratio_low"] = found.interval ? json(found.interval->low) : json();
   line["ratio_high"] = found.interval ? json(found.interval->high) : json();
   line["p"] = found.p;
-  line["verdict"] = statistics::words(found.verdict);
+  line["verdict"] = statistics::words(found.difference);
   return line;
 }
 

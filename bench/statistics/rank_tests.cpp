@@ -137,12 +137,12 @@ Ratio ratio(std::span<const double> a, std::span<const double> b) {
   return found;
 }
 
-Verdict judge(std::span<const double> a, std::span<const double> b) {
-  if (!critical(a.size(), b.size())) return Verdict::too_few;
+Difference judge(std::span<const double> a, std::span<const double> b) {
+  if (!critical(a.size(), b.size())) return Difference::too_few;
   const RankTest test = mann_whitney(a, b);
-  if (test.p >= level) return Verdict::no_difference;
+  if (test.p >= level) return Difference::none;
   const bool mostly_larger = 2 * test.u < static_cast<double>(a.size() * b.size());
-  return mostly_larger ? Verdict::faster : Verdict::slower;
+  return mostly_larger ? Difference::faster : Difference::slower;
 }
 
 double signed_rank_p(std::span<const double> differences) {
@@ -191,21 +191,21 @@ Paired judge_pairs(std::span<const double> a, std::span<const double> b) {
   const std::size_t excluded = signed_critical(differences.size()).value_or(0);
   found.interval = {std::exp(averages[excluded]),
                     std::exp(averages[averages.size() - 1 - excluded])};
-  found.verdict = found.p >= level  ? Verdict::no_difference
-                  : found.ratio > 1 ? Verdict::faster
-                                    : Verdict::slower;
+  found.difference = found.p >= level  ? Difference::none
+                     : found.ratio > 1 ? Difference::faster
+                                       : Difference::slower;
   return found;
 }
 
-const char* words(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::slower:
+const char* words(Difference difference) {
+  switch (difference) {
+    case Difference::slower:
       return "slower";
-    case Verdict::no_difference:
+    case Difference::none:
       return "no difference";
-    case Verdict::faster:
+    case Difference::faster:
       return "faster";
-    case Verdict::too_few:
+    case Difference::too_few:
       return "too few repetitions";
   }
   return "";

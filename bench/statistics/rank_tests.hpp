@@ -29,12 +29,12 @@ struct Ratio {
 };
 Ratio ratio(std::span<const double> a, std::span<const double> b);
 
-enum class Verdict { slower, no_difference, faster, too_few };
+enum class Difference { slower, none, faster, too_few };
 
 /// Of two sets of rates: whether `b` is faster or slower than `a`, at the level of 5 per cent.
 /// `too_few` where no outcome whatever could reach that level.
-Verdict judge(std::span<const double> a, std::span<const double> b);
-const char* words(Verdict verdict);
+Difference judge(std::span<const double> a, std::span<const double> b);
+const char* words(Difference difference);
 
 /// The test by Wilcoxon (1945) of whether `differences` lie around zero, two-sided: their ranks by
 /// magnitude are added up with the sign. Exact where no two magnitudes are alike and there are at
@@ -49,7 +49,7 @@ struct Paired {
                      ///< (Hodges and Lehmann 1963)
   std::optional<Interval> interval;  ///< Tukey's: the ratios that the test would not reject
   double p = 1;
-  Verdict verdict = Verdict::too_few;  ///< fewer than `fewest_pairs` can reach no verdict
+  Difference difference = Difference::too_few;  ///< fewer than `fewest_pairs` show any
 };
 Paired judge_pairs(std::span<const double> a, std::span<const double> b);
 inline constexpr std::size_t fewest_pairs = 6;  ///< of five, all on one side come once in 16 times

@@ -220,7 +220,8 @@ Value Execution::load(const Access& access) {
       [](Value) { return Meaning::load; }, [](Value value) { return value; });
 }
 
-Value Execution::modify(const Access& access, virtual_cores::Operation operation, Value operand) {
+Value Execution::modify(const Access& access, virtual_cores::Modification operation,
+                        Value operand) {
   if (phase_ != Phase::parallel) {
     step_alone(access.address, access.size, true, access.pc);
     return Tenant::modify(access, operation, operand);

@@ -193,7 +193,7 @@ class Execution final : public virtual_cores::Tenant {
   void plain_write(std::uintptr_t address, std::size_t size, const void* pc) override;
   Value load(const virtual_cores::Access& access) override;
   void store(const virtual_cores::Access& access, Value value) override;
-  Value modify(const virtual_cores::Access& access, virtual_cores::Operation operation,
+  Value modify(const virtual_cores::Access& access, virtual_cores::Modification operation,
                Value operand) override;
   bool compare_exchange(const virtual_cores::Access& access, Order failure, bool weak,
                         Value& expected, Value desired) override;

@@ -73,7 +73,7 @@ struct Listener {
   const std::function<void(std::uint64_t)>& on_progress;
   std::string trying = {};  ///< `Messenger::trying`
 
-  void add(Finding finding) {
+  void add(BrokenClaim finding) {
     if (finding.seconds == 0) finding.seconds = since(start);
     result.findings.push_back(std::move(finding));
   }
@@ -89,7 +89,7 @@ struct Listener {
       result.operations = message["operations"];
       on_progress(result.operations);
     } else if (message.contains("finding")) {
-      add(message["finding"].get<Finding>());
+      add(message["finding"].get<BrokenClaim>());
     } else if (message.contains("note")) {
       result.notes.push_back(message["note"]);
     } else if (message.contains("limit")) {
@@ -147,7 +147,7 @@ void Messenger::send(const json& message) const {
 void Messenger::progress(std::uint64_t operations) {
   send({{"operations", operations}});
 }
-void Messenger::finding(const Finding& finding) {
+void Messenger::finding(const BrokenClaim& finding) {
   send({{"finding", finding}});
 }
 void Messenger::note(const std::string& sentence) {

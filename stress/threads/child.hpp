@@ -15,7 +15,7 @@ class Messenger {
   explicit Messenger(int descriptor) : descriptor_(descriptor) {}
 
   void progress(std::uint64_t operations);
-  void finding(const Finding& finding);
+  void finding(const BrokenClaim& finding);
   void note(const std::string& sentence);
   void limit(const std::string& sentence);
   void figure(const std::string& name, const nlohmann::json& value);

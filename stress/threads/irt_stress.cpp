@@ -176,7 +176,7 @@ class Session {
     std::fflush(stdout);
     run_in_child(
         result, seconds, 30, [&](Messenger& m) { job.run(assignment, m); }, progress);
-    for (Finding& finding : result.findings) finding.repeat = repeat;
+    for (BrokenClaim& finding : result.findings) finding.repeat = repeat;
     if (terminal) fmt::print("\r\x1b[K");
     fmt::print("{}", to_text(result));
     results_.push_back(std::move(result));

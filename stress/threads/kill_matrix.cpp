@@ -82,7 +82,7 @@ Cell examine(const Instrument& instrument, const Mutant& mutant, const KillOptio
         run_once(instrument, mutant.queue, mutant.scenario, seconds, options.seed + run, clock);
     ++cell.runs;
     if (result.findings.empty()) continue;
-    const Finding& finding = result.findings[0];
+    const BrokenClaim& finding = result.findings[0];
     // A last round that took long may find something too late.
     if (should_see && finding.seconds > options.seconds) continue;
     ++cell.kills;

@@ -55,7 +55,7 @@ std::string to_text(const Result& result) {
                                  label(result), result.operations, rate, result.seconds);
   for (const std::string& note : result.notes) text += fmt::format("    {}\n", note);
   for (const std::string& limit : result.limits) text += fmt::format("    limit: {}\n", limit);
-  for (const Finding& finding : result.findings) {
+  for (const BrokenClaim& finding : result.findings) {
     text += fmt::format("    broken{}: {} (after {:.2f} s)\n",
                         result.third_party ? " (third-party)" : "", finding.claim, finding.seconds);
     text += indent(finding.evidence);
@@ -76,7 +76,7 @@ std::string to_junit(const std::vector<Result>& results) {
     for (const Result* result : cases) {
       xml += fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\">\n",
                          escape(queue), escape(label(*result)), result->seconds);
-      for (const Finding& finding : result->findings) {
+      for (const BrokenClaim& finding : result->findings) {
         xml += fmt::format("      <failure message=\"{}\">{}\nrepeat: {}</failure>\n",
                            escape(finding.claim), escape(finding.evidence), escape(finding.repeat));
       }

@@ -9,13 +9,13 @@
 namespace irt::stress {
 
 /// A claim that broke.
-struct Finding {
+struct BrokenClaim {
   std::string claim;     ///< what was promised
   std::string evidence;  ///< the operations, the stacks or the sanitizer's report
   std::string repeat;    ///< the command that repeats it
   double seconds = 0;    ///< from the start of the slot to the finding
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Finding, claim, evidence, repeat, seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BrokenClaim, claim, evidence, repeat, seconds)
 
 /// The result of one suite (and scenario) on one queue.
 struct Result {
@@ -25,7 +25,7 @@ struct Result {
   std::uint64_t seed = 0;
   std::uint64_t operations = 0;
   double seconds = 0;
-  std::vector<Finding> findings;
+  std::vector<BrokenClaim> findings;
   std::vector<std::string> notes;   ///< verdicts and figures, one sentence each
   std::vector<std::string> limits;  ///< what this run could not judge, and why
   bool third_party = false;         ///< a comparator: its findings are its library's

@@ -79,12 +79,12 @@ class ScenarioRunner {
   ScenarioRunner& operator=(const ScenarioRunner&) = delete;
 
   /// One round; the finding, if a claim broke.
-  std::optional<Finding> round(std::uint64_t number) {
+  std::optional<BrokenClaim> round(std::uint64_t number) {
     const std::uint64_t seed = mix_seed(assignment_.seed, number);
     const Perturbation perturbation = Perturbation::draw(seed >> 8);
     prepare(seed);
     History history;
-    std::optional<Finding> finding;
+    std::optional<BrokenClaim> finding;
     Slot& own_slot = slots_.back();
     const auto bump = [&] {
       own_slot.done.store(own_slot.done.load(std::memory_order_relaxed) + 1,
@@ -102,7 +102,8 @@ class ScenarioRunner {
         history.emptied = !scenario_.leaves_inside;
         if (scenario_.drains) drain(*queue, history.drain);
       } catch (const std::exception& error) {
-        finding = Finding{.claim = "keeps its contract", .evidence = error.what(), .repeat = {}};
+        finding =
+            BrokenClaim{.claim = "keeps its contract", .evidence = error.what(), .repeat = {}};
       }
       interrupter_.set_active(false);
       bump();
@@ -243,7 +244,7 @@ class ScenarioRunner {
     }
   }
 
-  std::optional<Finding> judge_history(const History& history) {
+  std::optional<BrokenClaim> judge_history(const History& history) {
     const Verdict verdict = judge(history, assignment_.queue.claims, capacity_);
     sums_.empties += verdict.empties;
     sums_.fulls += verdict.fulls;
@@ -255,7 +256,7 @@ class ScenarioRunner {
       }
     }
     if (verdict.violations.empty()) return std::nullopt;
-    Finding finding;
+    BrokenClaim finding;
     finding.claim = promise(verdict.violations[0].pattern);
     for (const Violation& violation : verdict.violations) {
       finding.evidence += explain(violation, assignment_.clock.ticks_per_nanosecond);
@@ -264,10 +265,10 @@ class ScenarioRunner {
   }
 
   /// Where the processor, not ThreadSanitizer, shows what is not published.
-  std::optional<Finding> judge_payloads() const {
+  std::optional<BrokenClaim> judge_payloads() const {
     for (const WorkerState& state : states_) {
       if (state.unpublished == no_element) continue;
-      return Finding{
+      return BrokenClaim{
           .claim = "what was done before a push is seen after the pop of its element",
           .evidence = fmt::format("worker {} popped {} and did not see what worker {} had written "
                                   "before it pushed that\n",
@@ -335,7 +336,7 @@ void run_scenario(const Assignment& assignment, const Scenario& scenario, Messen
   std::uint64_t rounds = 0;
   ScenarioRunner runner(assignment, scenario, messenger);
   for (; passed() < assignment.seconds; ++rounds) {
-    if (std::optional<Finding> finding = runner.round(rounds)) {
+    if (std::optional<BrokenClaim> finding = runner.round(rounds)) {
       finding->seconds = passed();
       messenger.finding(*finding);
       break;

@@ -117,7 +117,7 @@ class Life {
 
   /// While all stand still. Empties the queue, on behalf of everybody who may pop, and compares;
   /// fills it up, and leaves inside what a life starts with.
-  std::optional<Finding> count() {
+  std::optional<BrokenClaim> count() {
     const Sums pushed = total(&Account::pushed);
     const std::uint64_t before = total(&Account::popped).count;
     std::uint64_t left = pushed.count - std::min(before, pushed.count) + 1'000;
@@ -134,13 +134,14 @@ class Life {
         denied = worker;
       }
     }
-    if (std::optional<Finding> broken = judge(pushed, total(&Account::popped))) return broken;
+    if (std::optional<BrokenClaim> broken = judge(pushed, total(&Account::popped))) return broken;
     const Specification specification(claims_, capacity_);
     if (false_empty && specification.empty() != Answer::this_worker && !claims_.own_queues())
-      return Finding{std::string(promise(Pattern::witness)),
-                     "with all others at rest a pop answered empty; then another worker's found "
-                     "something\n",
-                     {}};
+      return BrokenClaim{
+          std::string(promise(Pattern::witness)),
+          "with all others at rest a pop answered empty; then another worker's found "
+          "something\n",
+          {}};
     if (claims_.bounded) return fill_up();
     fill(first_inside());
     return std::nullopt;
@@ -152,13 +153,13 @@ class Life {
   }
 
   /// What can be said without emptying it.
-  std::optional<Finding> look() const {
+  std::optional<BrokenClaim> look() const {
     for (const Account& account : accounts_) {
       if (account.invented) return finding("pops only what was pushed", *account.invented);
       if (account.out_of_order && ordered())
         return finding("order of elements", *account.out_of_order);
       if (account.wrongly_full)
-        return Finding{"never full, for it claims no bound", "a push answered full\n", {}};
+        return BrokenClaim{"never full, for it claims no bound", "a push answered full\n", {}};
     }
     return std::nullopt;
   }
@@ -178,13 +179,14 @@ class Life {
   }
 
   /// Of an empty queue with a bound: as many as it was made for must find a place.
-  std::optional<Finding> fill_up() {
+  std::optional<BrokenClaim> fill_up() {
     const std::size_t accepted = fill(capacity_);
     if (accepted < capacity_)
-      return Finding{std::string(promise(Pattern::full)),
-                     fmt::format("with all others at rest, an empty queue took {} elements of {}\n",
-                                 accepted, capacity_),
-                     {}};
+      return BrokenClaim{
+          std::string(promise(Pattern::full)),
+          fmt::format("with all others at rest, an empty queue took {} elements of {}\n", accepted,
+                      capacity_),
+          {}};
     std::size_t left = capacity_ - first_inside();
     for (unsigned worker = 0; worker < roles_.workers; ++worker)
       while (left > 0 && roles_.pops(worker) && pop(worker, slots_.back())) --left;
@@ -246,23 +248,24 @@ class Life {
     return all;
   }
 
-  std::optional<Finding> judge(const Sums& pushed, const Sums& popped) const {
-    if (std::optional<Finding> found = look()) return found;
+  std::optional<BrokenClaim> judge(const Sums& pushed, const Sums& popped) const {
+    if (std::optional<BrokenClaim> found = look()) return found;
     if (pushed == popped) return std::nullopt;
     if (popped.count < pushed.count) {
-      Finding lost{"no element is lost",
-                   fmt::format("{} of {} elements that were accepted did not come out, not even "
-                               "when the queue was emptied\n",
-                               pushed.count - popped.count, pushed.count),
-                   {}};
+      BrokenClaim lost{
+          "no element is lost",
+          fmt::format("{} of {} elements that were accepted did not come out, not even "
+                      "when the queue was emptied\n",
+                      pushed.count - popped.count, pushed.count),
+          {}};
       if (popped.count + 1 == pushed.count)
         lost.evidence += fmt::format("by the sums, it is {}\n", word(pushed.sum - popped.sum));
       return lost;
     }
-    Finding twice{"every element leaves once",
-                  fmt::format("{} pushes and {} pops, counted when the queue was empty\n",
-                              pushed.count, popped.count),
-                  {}};
+    BrokenClaim twice{"every element leaves once",
+                      fmt::format("{} pushes and {} pops, counted when the queue was empty\n",
+                                  pushed.count, popped.count),
+                      {}};
     if (popped.count == pushed.count + 1)
       twice.evidence +=
           fmt::format("by the sums, what left twice is {}\n", word(popped.sum - pushed.sum));
@@ -274,7 +277,7 @@ class Life {
   static std::string word(Element e) {
     return fmt::format("{}:{} (producer:number)", producer_of(e), sequence_of(e));
   }
-  static Finding finding(std::string_view claim, Element e) {
+  static BrokenClaim finding(std::string_view claim, Element e) {
     return {std::string(claim), fmt::format("{} was popped\n", word(e)), {}};
   }
 
@@ -303,7 +306,7 @@ class Sustained {
         interrupter_(slots_, assignment.seed),
         random_(assignment.seed * 2 + threads) {}
 
-  std::optional<Finding> run(double seconds) {
+  std::optional<BrokenClaim> run(double seconds) {
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double>(seconds));
     for (unsigned number = 0; Clock::now() < end; ++number) {
@@ -326,7 +329,7 @@ class Sustained {
     return random_ >> 33;
   }
 
-  std::optional<Finding> live(unsigned number, Clock::time_point end) {
+  std::optional<BrokenClaim> live(unsigned number, Clock::time_point end) {
     // Most of them small, so that rings go round; one so large that segments follow each other.
     constexpr std::array<std::size_t, 9> capacities{1024, 1 << 15, 100, 2, 64, 5, 256, 3, 1024};
     const std::size_t capacity = capacities.at(number % capacities.size());
@@ -334,7 +337,7 @@ class Sustained {
     const bool stalls = next() % 2 == 0;
     const Presence presence(slots_.back());
     Life life(assignment_, roles_, capacity, used, slots_, next());
-    std::optional<Finding> found;
+    std::optional<BrokenClaim> found;
     do {
       // From a tenth of a millisecond to a tenth of a second: a thread that loses its processor
       // in an operation is to find that others have gone round the queue a hundred times.
@@ -373,7 +376,7 @@ void run_sustained(const Assignment& assignment, Messenger& messenger) {
   std::uint64_t points = 0;
   for (const unsigned threads : {4U, 8U}) {
     Sustained sustained(assignment, threads, messenger);
-    const std::optional<Finding> found = sustained.run(assignment.seconds / 2);
+    const std::optional<BrokenClaim> found = sustained.run(assignment.seconds / 2);
     points += sustained.points();
     if (found) {
       messenger.finding(*found);

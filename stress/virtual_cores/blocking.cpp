@@ -22,7 +22,7 @@ using irt::virtual_cores::announce_write;
 using irt::virtual_cores::ask;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::forever;
-using irt::virtual_cores::Operation;
+using irt::virtual_cores::Modification;
 using irt::virtual_cores::Order;
 using irt::virtual_cores::set_errno;
 using irt::virtual_cores::until;
@@ -48,7 +48,7 @@ void store(std::uint32_t& word, std::uint32_t value, const void* pc) {
 }
 std::uint32_t add(std::uint32_t& word, std::uint32_t value, const void* pc) {
   return static_cast<std::uint32_t>(
-      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Operation::add, value));
+      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Modification::add, value));
 }
 bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired, const void* pc) {
   Value seen = expected;

@@ -12,7 +12,7 @@ using irt::virtual_cores::address_of;
 using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::ask;
-using irt::virtual_cores::Operation;
+using irt::virtual_cores::Modification;
 using irt::virtual_cores::Order;
 using irt::virtual_cores::Registers;
 using irt::virtual_cores::Value;
@@ -131,7 +131,7 @@ IRT_HOOK __tsan_atomic_signal_fence(int) {}
 #define IRT_MODIFY(bits, name, operation)                                                          \
   IRT_BODY u##bits irt_vc_atomic##bits##_##name(volatile u##bits* p, u##bits operand, int order) { \
     return static_cast<u##bits>(                                                                   \
-        active->modify(access_to(p, order, IRT_PC), Operation::operation, operand));               \
+        active->modify(access_to(p, order, IRT_PC), Modification::operation, operand));            \
   }                                                                                                \
   IRT_ENTRY(atomic##bits##_##name)
 

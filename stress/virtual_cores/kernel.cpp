@@ -26,9 +26,9 @@ using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::fill_randomly;
 using irt::virtual_cores::forget_registers;
+using irt::virtual_cores::Modification;
 using irt::virtual_cores::nanoseconds_of;
 using irt::virtual_cores::nanoseconds_per_second;
-using irt::virtual_cores::Operation;
 using irt::virtual_cores::Order;
 using irt::virtual_cores::page_bytes;
 using irt::virtual_cores::Range;
@@ -104,7 +104,7 @@ void unmap(Range bytes, const void* pc) {
   const std::size_t size = bytes.end - bytes.begin;
   if (size != mapping.end - mapping.begin) {
     forget_registers();
-    if (active->modify({block, 8, Order::acq_rel, pc}, Operation::sub, size) != size) return;
+    if (active->modify({block, 8, Order::acq_rel, pc}, Modification::sub, size) != size) return;
   }
   active->release(reinterpret_cast<void*>(block), pc);
 }

@@ -76,7 +76,7 @@ void Tenant::store(const Access& access, Value value) {
   write_memory(access.address, access.size, value);
 }
 
-Value Tenant::modify(const Access& access, Operation operation, Value operand) {
+Value Tenant::modify(const Access& access, Modification operation, Value operand) {
   const Value before = read_memory(access.address, access.size);
   write_memory(access.address, access.size, apply(operation, before, operand, access.size));
   return before;
@@ -111,7 +111,7 @@ bool Tenant::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* 
   const auto left = [&] {
     return nanoseconds < 0 ? nanoseconds : std::max<std::int64_t>(end - now(), 0);
   };
-  while (modify({address, 4, Order::acquire, pc}, Operation::exchange, 2) != 0)
+  while (modify({address, 4, Order::acquire, pc}, Modification::exchange, 2) != 0)
     if (wait(address, 2, left(), pc) == Wake::timed_out) return false;
   return true;
 }
@@ -122,7 +122,8 @@ bool Tenant::try_lock(std::uintptr_t address, const void* pc) {
 }
 
 void Tenant::unlock(std::uintptr_t address, const void* pc) {
-  if (modify({address, 4, Order::release, pc}, Operation::exchange, 0) == 2) wake(address, 1, pc);
+  if (modify({address, 4, Order::release, pc}, Modification::exchange, 0) == 2)
+    wake(address, 1, pc);
 }
 
 Wake Tenant::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,

@@ -47,26 +47,26 @@ constexpr bool releases(Order order) {
 }
 
 /// What a read-modify-write computes.
-enum class Operation : std::uint8_t { exchange, add, sub, bit_and, bit_or, bit_xor, bit_nand };
+enum class Modification : std::uint8_t { exchange, add, sub, bit_and, bit_or, bit_xor, bit_nand };
 
 /// The result of `operation` on `size` bytes; `Word` is unsigned and has as many at least.
 template <class Word>
-Word apply(Operation operation, Word old_value, Word operand, std::size_t size) {
+Word apply(Modification operation, Word old_value, Word operand, std::size_t size) {
   const Word mask = size == sizeof(Word) ? ~Word{0} : (Word{1} << (8 * size)) - 1;
   switch (operation) {
-    case Operation::exchange:
+    case Modification::exchange:
       return operand & mask;
-    case Operation::add:
+    case Modification::add:
       return (old_value + operand) & mask;
-    case Operation::sub:
+    case Modification::sub:
       return (old_value - operand) & mask;
-    case Operation::bit_and:
+    case Modification::bit_and:
       return old_value & operand;
-    case Operation::bit_or:
+    case Modification::bit_or:
       return old_value | operand;
-    case Operation::bit_xor:
+    case Modification::bit_xor:
       return old_value ^ operand;
-    case Operation::bit_nand:
+    case Modification::bit_nand:
       return ~(old_value & operand) & mask;
   }
   std::abort();
@@ -110,7 +110,7 @@ class Tenant {
   virtual Value load(const Access& access);
   virtual void store(const Access& access, Value value);
   /// Returns the value read.
-  virtual Value modify(const Access& access, Operation operation, Value operand);
+  virtual Value modify(const Access& access, Modification operation, Value operand);
   /// Returns whether `desired` was stored; `expected` becomes the value read. `access.order` is
   /// the order of success.
   virtual bool compare_exchange(const Access& access, Order failure, bool weak, Value& expected,

@@ -5,7 +5,7 @@
 namespace irt::many_core {
 
 using virtual_cores::Access;
-using virtual_cores::Operation;
+using virtual_cores::Modification;
 using virtual_cores::Order;
 using virtual_cores::Value;
 
@@ -123,7 +123,7 @@ Line& Accesses::own(Thread& me, Line* line, const Access& access, bool arithmeti
   return *line;
 }
 
-Value Accesses::modify(Thread& me, const Access& access, Operation operation, Value operand) {
+Value Accesses::modify(Thread& me, const Access& access, Modification operation, Value operand) {
   Line* line = find(access.address);
   if (!at_hand(me, line, access.address, access.size, true)) line = &own(me, line, access, true);
   const Value before = read_memory(access.address, access.size);

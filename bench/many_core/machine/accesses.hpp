@@ -52,7 +52,7 @@ class Accesses {
   }
   void store(Thread& me, const virtual_cores::Access& access, virtual_cores::Value value);
   virtual_cores::Value modify(Thread& me, const virtual_cores::Access& access,
-                              virtual_cores::Operation operation, virtual_cores::Value operand);
+                              virtual_cores::Modification operation, virtual_cores::Value operand);
   bool compare_exchange(Thread& me, const virtual_cores::Access& access,
                         virtual_cores::Value& expected, virtual_cores::Value desired);
   /// A full one.

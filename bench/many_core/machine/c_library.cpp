@@ -5,7 +5,7 @@
 namespace irt::many_core {
 
 using virtual_cores::Access;
-using virtual_cores::Operation;
+using virtual_cores::Modification;
 using virtual_cores::Order;
 using virtual_cores::Value;
 using virtual_cores::Wake;
@@ -36,7 +36,7 @@ bool CLibrary::lock(Thread& me, std::uintptr_t address, std::int64_t nanoseconds
   };
   const Access access{address, 4, Order::acquire, pc};
   if (accesses_.load(me, access) == 2 && !sleep()) return false;
-  while (accesses_.modify(me, access, Operation::exchange, 2) != 0)
+  while (accesses_.modify(me, access, Modification::exchange, 2) != 0)
     if (!sleep()) return false;
   return true;
 }
@@ -44,7 +44,8 @@ bool CLibrary::lock(Thread& me, std::uintptr_t address, std::int64_t nanoseconds
 void CLibrary::unlock(Thread& me, std::uintptr_t address, const void* pc) {
   me.clock += lock_accesses * me.costs->plain_op;
   const Access access{address, 4, Order::release, pc};
-  if (accesses_.modify(me, access, Operation::exchange, 0) == 2) kernel_.wake(me, address, 1, pc);
+  if (accesses_.modify(me, access, Modification::exchange, 0) == 2)
+    kernel_.wake(me, address, 1, pc);
 }
 
 // --- The allocator ------------------------------------------------------------------------------

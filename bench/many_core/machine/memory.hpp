@@ -25,7 +25,7 @@ inline void write_memory(std::uintptr_t address, std::size_t size, virtual_cores
   }
 }
 
-inline virtual_cores::Value result_of(virtual_cores::Operation operation,
+inline virtual_cores::Value result_of(virtual_cores::Modification operation,
                                       virtual_cores::Value before, virtual_cores::Value operand,
                                       std::size_t size) {
   return size == 8 ? virtual_cores::apply(operation, static_cast<std::uint64_t>(before),

@@ -3,7 +3,7 @@
 namespace irt::many_core {
 
 using virtual_cores::Access;
-using virtual_cores::Operation;
+using virtual_cores::Modification;
 using virtual_cores::Order;
 using virtual_cores::Value;
 using virtual_cores::Wake;
@@ -28,7 +28,7 @@ void MachineTenant::store(const Access& access, Value value) {
   }
 }
 
-Value MachineTenant::modify(const Access& access, Operation operation, Value operand) {
+Value MachineTenant::modify(const Access& access, Modification operation, Value operand) {
   return state_.timed ? accesses_.modify(*state_.current, access, operation, operand)
                       : Tenant::modify(access, operation, operand);
 }

@@ -22,7 +22,7 @@ class MachineTenant final : public virtual_cores::Tenant {
   virtual_cores::Value load(const virtual_cores::Access& access) override;
   void store(const virtual_cores::Access& access, virtual_cores::Value value) override;
   virtual_cores::Value modify(const virtual_cores::Access& access,
-                              virtual_cores::Operation operation,
+                              virtual_cores::Modification operation,
                               virtual_cores::Value operand) override;
   bool compare_exchange(const virtual_cores::Access& access, virtual_cores::Order failure,
                         bool weak, virtual_cores::Value& expected,

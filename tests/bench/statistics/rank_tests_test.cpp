@@ -40,7 +40,7 @@ TEST(MannWhitney, ApproximationAgreesWithCounting) {
   EXPECT_NEAR(mann_whitney(a, b).p, exact, 0.1 * exact + 1e-3);
 }
 
-TEST(Verdict, EqualsAreCalledEqualNineteenTimesInTwenty) {
+TEST(Difference, EqualsAreCalledEqualNineteenTimesInTwenty) {
   // Skewed, as rates on a disturbed machine are.
   std::mt19937_64 random(3);
   std::gamma_distribution<double> disturbance(2, 0.05);
@@ -50,13 +50,13 @@ TEST(Verdict, EqualsAreCalledEqualNineteenTimesInTwenty) {
     Values a(10), b(10);
     for (double& value : a) value = 1e6 / (1 + disturbance(random));
     for (double& value : b) value = 1e6 / (1 + disturbance(random));
-    different += judge(a, b) == Verdict::no_difference ? 0 : 1;
+    different += judge(a, b) == Difference::none ? 0 : 1;
   }
   EXPECT_LE(different, comparisons * (0.05 + 0.015));
   EXPECT_GE(different, comparisons * 0.03);  // a test that never speaks would pass the other line
 }
 
-TEST(Verdict, FivePerCentAreFoundAtThirtyRepetitions) {
+TEST(Difference, FivePerCentAreFoundAtThirtyRepetitions) {
   // With a coefficient of variation of 5 per cent.
   std::mt19937_64 random(4);
   std::normal_distribution<double> rate(100, 5);
@@ -66,19 +66,19 @@ TEST(Verdict, FivePerCentAreFoundAtThirtyRepetitions) {
     Values a(30), b(30);
     for (double& value : a) value = rate(random);
     for (double& value : b) value = rate(random) * 0.95;
-    const Verdict verdict = judge(a, b);
-    found += verdict == Verdict::slower ? 1 : 0;
-    backwards += verdict == Verdict::faster ? 1 : 0;
+    const Difference difference = judge(a, b);
+    found += difference == Difference::slower ? 1 : 0;
+    backwards += difference == Difference::faster ? 1 : 0;
   }
   EXPECT_GE(found, comparisons * 0.93);
   EXPECT_EQ(backwards, 0);
 }
 
-TEST(Verdict, TooFewRepetitionsAreNotCalledEqual) {
-  EXPECT_EQ(judge(Values{1, 2, 3}, Values{4, 5, 6}), Verdict::too_few);
-  EXPECT_EQ(judge(Values{1, 2, 3, 4}, Values{5, 6, 7, 8}), Verdict::faster);
-  EXPECT_EQ(judge(Values{5, 6, 7, 8}, Values{1, 2, 3, 4}), Verdict::slower);
-  EXPECT_EQ(judge(Values{}, Values{1}), Verdict::too_few);
+TEST(Difference, TooFewRepetitionsAreNotCalledEqual) {
+  EXPECT_EQ(judge(Values{1, 2, 3}, Values{4, 5, 6}), Difference::too_few);
+  EXPECT_EQ(judge(Values{1, 2, 3, 4}, Values{5, 6, 7, 8}), Difference::faster);
+  EXPECT_EQ(judge(Values{5, 6, 7, 8}, Values{1, 2, 3, 4}), Difference::slower);
+  EXPECT_EQ(judge(Values{}, Values{1}), Difference::too_few);
 }
 
 TEST(Ratio, OfMediansAndItsInterval) {
@@ -102,7 +102,7 @@ TEST(Ratio, TheIntervalHoldsTheTruthAndAgreesWithTheVerdict) {
     const Interval interval = *ratio(a, b).interval;
     holds += interval.low <= 1.1 && 1.1 <= interval.high ? 1 : 0;
     const bool excludes_one = interval.low > 1 || interval.high < 1;
-    agree += excludes_one == (judge(a, b) != Verdict::no_difference) ? 1 : 0;
+    agree += excludes_one == (judge(a, b) != Difference::none) ? 1 : 0;
   }
   EXPECT_GE(holds, comparisons * 0.93);
   EXPECT_EQ(agree, comparisons);
@@ -131,9 +131,10 @@ TEST(Pairs, RatioAndItsInterval) {
   EXPECT_DOUBLE_EQ(twice.interval->low, 1.9);
   EXPECT_DOUBLE_EQ(twice.interval->high, 2.2);
   EXPECT_NEAR(twice.ratio, 2.01, 0.03);
-  EXPECT_EQ(twice.verdict, Verdict::faster);
-  EXPECT_EQ(judge_pairs(Values{1, 2, 3, 4, 5}, Values{2, 4, 6, 8, 10}).verdict, Verdict::too_few);
-  EXPECT_EQ(judge_pairs(Values{}, Values{}).verdict, Verdict::too_few);
+  EXPECT_EQ(twice.difference, Difference::faster);
+  EXPECT_EQ(judge_pairs(Values{1, 2, 3, 4, 5}, Values{2, 4, 6, 8, 10}).difference,
+            Difference::too_few);
+  EXPECT_EQ(judge_pairs(Values{}, Values{}).difference, Difference::too_few);
 }
 
 /// Rounds on a machine whose pace drifts, by far more than queues differ.
@@ -167,7 +168,7 @@ struct Drifting {
 TEST(Pairs, EqualsAreCalledEqualNineteenTimesInTwenty) {
   constexpr int comparisons = 2000;
   const int different = Drifting(6).times(comparisons, 10, 1, [](const Values& a, const Values& b) {
-    return judge_pairs(a, b).verdict != Verdict::no_difference;
+    return judge_pairs(a, b).difference != Difference::none;
   });
   EXPECT_LE(different, comparisons * (0.05 + 0.015));
   EXPECT_GE(different, comparisons * 0.03);
@@ -177,10 +178,10 @@ TEST(Pairs, FivePerCentAreFoundWhereTheMachineDriftsByTwenty) {
   constexpr int comparisons = 300;
   const auto found = [](auto judge) {
     return Drifting(7).times(comparisons, 30, 0.95, [judge](const Values& a, const Values& b) {
-      return judge(a, b) == Verdict::slower;
+      return judge(a, b) == Difference::slower;
     });
   };
-  EXPECT_GE(found([](const Values& a, const Values& b) { return judge_pairs(a, b).verdict; }),
+  EXPECT_GE(found([](const Values& a, const Values& b) { return judge_pairs(a, b).difference; }),
             comparisons * 0.95);
   EXPECT_LE(found([](const Values& a, const Values& b) { return judge(a, b); }), comparisons * 0.4);
 }
@@ -190,7 +191,7 @@ TEST(Pairs, TheIntervalHoldsTheTruthAndAgreesWithTheVerdict) {
   const int holds = Drifting(8).times(comparisons, 12, 1.03, [](const Values& a, const Values& b) {
     const Paired found = judge_pairs(a, b);
     const bool excludes_one = found.interval->low > 1 || found.interval->high < 1;
-    EXPECT_EQ(excludes_one, found.verdict != Verdict::no_difference);
+    EXPECT_EQ(excludes_one, found.difference != Difference::none);
     return found.interval->low <= 1.03 && 1.03 <= found.interval->high;
   });
   EXPECT_GE(holds, comparisons * 0.93);

@@ -44,7 +44,8 @@ class Rotating : public vc::Tenant {
     rotate();
     Tenant::store(access, value);
   }
-  vc::Value modify(const vc::Access& access, vc::Operation operation, vc::Value operand) override {
+  vc::Value modify(const vc::Access& access, vc::Modification operation,
+                   vc::Value operand) override {
     rotate();
     ++modifications;
     return Tenant::modify(access, operation, operand);
@@ -238,7 +239,7 @@ TEST_F(VirtualCores, a_crash_of_the_tenant_is_nobodys_fault) {
   class Crashing final : public Rotating {
    public:
     using Rotating::Rotating;
-    vc::Value modify(const vc::Access&, vc::Operation, vc::Value) override {
+    vc::Value modify(const vc::Access&, vc::Modification, vc::Value) override {
       return vc::read_memory(4096 + 64, 8);
     }
   };
