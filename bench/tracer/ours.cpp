@@ -4,7 +4,7 @@
 #include "bench/tracer/contestant.hpp"
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/bvh/executor.hpp"
-#include "renderer/bvh/wide_build.hpp"
+#include "renderer/bvh/wide/build.hpp"
 
 namespace irt::bench {
 namespace {

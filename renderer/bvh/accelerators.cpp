@@ -5,7 +5,7 @@
 #include "renderer/bvh/brute_force.hpp"
 #include "renderer/bvh/goncalves.hpp"
 #include "renderer/bvh/wald.hpp"
-#include "renderer/bvh/wide.hpp"
+#include "renderer/bvh/wide/wide.hpp"
 
 namespace irt {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <bit>
 
-#include "renderer/bvh/wide.hpp"
-#include "renderer/bvh/wide_build.hpp"
-#include "renderer/bvh/wide_refit.hpp"
+#include "renderer/bvh/wide/build.hpp"
+#include "renderer/bvh/wide/refit.hpp"
+#include "renderer/bvh/wide/wide.hpp"
 #include "tests/renderer/bvh/agreement.hpp"
 
 namespace irt::test {

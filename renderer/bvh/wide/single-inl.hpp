@@ -11,8 +11,8 @@
 #include <cstdint>
 
 #include "renderer/bvh/ray_loop.hpp"
-#include "renderer/bvh/wide_bvh.hpp"
-#include "renderer/bvh/wide_leaf-inl.hpp"
+#include "renderer/bvh/wide/leaf-inl.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 #include "renderer/tracing/intersection.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -6,7 +6,7 @@
 
 #include "renderer/bvh/accelerator.hpp"
 #include "renderer/bvh/ray_loop.hpp"
-#include "renderer/bvh/wide_bvh.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 
 namespace irt {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <hwy/highway.h>
 
-#include "renderer/bvh/wide_split-inl.hpp"
+#include "renderer/bvh/wide/split-inl.hpp"
 #include "renderer/scene/scene.hpp"
 
 HWY_BEFORE_NAMESPACE();

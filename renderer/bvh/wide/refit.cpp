@@ -1,4 +1,4 @@
-#include "renderer/bvh/wide_refit.hpp"
+#include "renderer/bvh/wide/refit.hpp"
 
 #include <vector>
 

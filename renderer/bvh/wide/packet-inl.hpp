@@ -9,8 +9,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "renderer/bvh/wide_bvh.hpp"
-#include "renderer/bvh/wide_single-inl.hpp"
+#include "renderer/bvh/wide/single-inl.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 #include "renderer/tracing/packet-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

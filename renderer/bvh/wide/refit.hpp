@@ -2,7 +2,7 @@
 #pragma once
 
 #include "renderer/bvh/executor.hpp"
-#include "renderer/bvh/wide_bvh.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 #include "renderer/scene/scene.hpp"
 
 namespace irt {

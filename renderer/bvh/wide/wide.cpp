@@ -1,8 +1,8 @@
-#include "renderer/bvh/wide.hpp"
+#include "renderer/bvh/wide/wide.hpp"
 
 #include "renderer/bvh/executor.hpp"
-#include "renderer/bvh/wide_build.hpp"
-#include "renderer/bvh/wide_refit.hpp"
+#include "renderer/bvh/wide/build.hpp"
+#include "renderer/bvh/wide/refit.hpp"
 
 namespace irt {
 

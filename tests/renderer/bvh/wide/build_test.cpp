@@ -1,5 +1,5 @@
 /// The wide builder: the same tree whoever builds it, and a tree that is one.
-#include "renderer/bvh/wide_build.hpp"
+#include "renderer/bvh/wide/build.hpp"
 
 #include <chrono>
 #include <cstring>

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "renderer/bvh/accelerator.hpp"
-#include "renderer/bvh/wide_bvh.hpp"
-#include "renderer/bvh/wide_packets.hpp"
+#include "renderer/bvh/wide/packets.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 
 namespace irt {
 

@@ -16,7 +16,7 @@
 #include <memory>
 #include <new>
 
-#include "renderer/bvh/wide_bvh.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 #include "renderer/tracing/intersection.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "renderer/bvh/executor.hpp"
-#include "renderer/bvh/wide_split-inl.hpp"
+#include "renderer/bvh/wide/split-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace irt::HWY_NAMESPACE {

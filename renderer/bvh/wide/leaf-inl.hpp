@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "renderer/bvh/wide_bvh.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 #include "renderer/tracing/intersection.hpp"
 #include "renderer/tracing/packet-inl.hpp"
 

@@ -1,4 +1,4 @@
-#include "renderer/bvh/wide_build.hpp"
+#include "renderer/bvh/wide/build.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,13 +7,13 @@
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "renderer/bvh/wide_build.cpp"
+#define HWY_TARGET_INCLUDE "renderer/bvh/wide/build.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "renderer/bvh/wide_corners-inl.hpp"
-#include "renderer/bvh/wide_split-inl.hpp"
-#include "renderer/bvh/wide_top-inl.hpp"
+#include "renderer/bvh/wide/corners-inl.hpp"
+#include "renderer/bvh/wide/split-inl.hpp"
+#include "renderer/bvh/wide/top-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace irt::HWY_NAMESPACE {

@@ -10,8 +10,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "renderer/bvh/wide_bvh.hpp"
-#include "renderer/bvh/wide_packet-inl.hpp"
+#include "renderer/bvh/wide/packet-inl.hpp"
+#include "renderer/bvh/wide/wide_bvh.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace irt::HWY_NAMESPACE {

@@ -1,12 +1,12 @@
-#include "renderer/bvh/wide_packets.hpp"
+#include "renderer/bvh/wide/packets.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "renderer/bvh/wide_packets.cpp"
+#define HWY_TARGET_INCLUDE "renderer/bvh/wide/packets.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "renderer/bvh/wide_group-inl.hpp"
-#include "renderer/bvh/wide_single-inl.hpp"
+#include "renderer/bvh/wide/group-inl.hpp"
+#include "renderer/bvh/wide/single-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace irt::HWY_NAMESPACE {
