@@ -10,19 +10,19 @@
 #include "bench/conditions/topology.hpp"
 #include "bench/doctor/optional_parts.hpp"
 
-namespace irt {
+namespace irt::doctor {
 
-enum class Verdict : std::uint8_t {
+enum class Severity : std::uint8_t {
   good,     ///< nothing to do
   note,     ///< to be known when figures are read
   caution,  ///< bends the figures
 };
 
 /// One line of the examination.
-struct Finding {
+struct Diagnosis {
   std::string subject;  ///< "Processors", "Clock" ...
   std::string found;    ///< what is there
-  Verdict verdict = Verdict::good;
+  Severity severity = Severity::good;
   std::string meaning;  ///< for the figures, in a sentence or two
 };
 
@@ -40,6 +40,7 @@ Examination examine();
 
 /// What it means, in a fixed order of subjects. No look at the machine: everything is in the
 /// arguments.
-std::vector<Finding> diagnose(const Examination& examination, std::span<const OptionalPart> parts);
+std::vector<Diagnosis> diagnose(const Examination& examination,
+                                std::span<const OptionalPart> parts);
 
-}  // namespace irt
+}  // namespace irt::doctor

@@ -10,15 +10,16 @@
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
 
+namespace irt::doctor {
 namespace {
 
-constexpr std::string_view word(irt::Verdict verdict) {
-  switch (verdict) {
-    case irt::Verdict::good:
+constexpr std::string_view word(Severity severity) {
+  switch (severity) {
+    case Severity::good:
       return "good";
-    case irt::Verdict::note:
+    case Severity::note:
       return "note";
-    case irt::Verdict::caution:
+    case Severity::caution:
       return "caution";
   }
   return "";
@@ -41,12 +42,12 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
   return out;
 }
 
-void print(std::span<const irt::Finding> findings) {
+void print(std::span<const Diagnosis> diagnoses) {
   unsigned cautions = 0;
-  for (const irt::Finding& finding : findings) {
-    fmt::print("{:<8} {:<21} {}\n", word(finding.verdict), finding.subject, finding.found);
-    fmt::print("{}", wrapped(finding.meaning, 31, 69));
-    if (finding.verdict == irt::Verdict::caution) ++cautions;
+  for (const Diagnosis& diagnosis : diagnoses) {
+    fmt::print("{:<8} {:<21} {}\n", word(diagnosis.severity), diagnosis.subject, diagnosis.found);
+    fmt::print("{}", wrapped(diagnosis.meaning, 31, 69));
+    if (diagnosis.severity == Severity::caution) ++cautions;
   }
   if (cautions == 0) {
     fmt::print("\nA good place to measure.\n");
@@ -56,33 +57,34 @@ void print(std::span<const irt::Finding> findings) {
   }
 }
 
-void print_json(std::span<const irt::Finding> findings) {
+void print_json(std::span<const Diagnosis> diagnoses) {
   nlohmann::json list = nlohmann::json::array();
-  for (const irt::Finding& finding : findings) {
-    list.push_back({{"subject", finding.subject},
-                    {"found", finding.found},
-                    {"verdict", word(finding.verdict)},
-                    {"meaning", finding.meaning}});
+  for (const Diagnosis& diagnosis : diagnoses) {
+    list.push_back({{"subject", diagnosis.subject},
+                    {"found", diagnosis.found},
+                    {"verdict", word(diagnosis.severity)},
+                    {"meaning", diagnosis.meaning}});
   }
-  fmt::print("{}\n", nlohmann::json{{"conditions", irt::conditions()}, {"findings", list}}.dump(2));
+  fmt::print("{}\n", nlohmann::json{{"conditions", conditions()}, {"findings", list}}.dump(2));
 }
 
 int run(int argc, char** argv) {
   CLI::App app("What this machine has, and what that means for the figures.", "irt doctor");
   bool json = false;
   app.add_flag("--json", json, "machine, build and findings as JSON");
-  if (const auto code = irt::parse(app, argc, argv)) return *code;
-  const auto findings = irt::diagnose(irt::examine(), irt::optional_parts());
+  if (const auto code = parse(app, argc, argv)) return *code;
+  const auto diagnoses = diagnose(examine(), optional_parts());
   if (json) {
-    print_json(findings);
+    print_json(diagnoses);
   } else {
-    print(findings);
+    print(diagnoses);
   }
   return 0;
 }
 
 }  // namespace
+}  // namespace irt::doctor
 
 int main(int argc, char** argv) {
-  return irt::run_program("irt doctor", [&] { return run(argc, argv); });
+  return irt::run_program("irt doctor", [&] { return irt::doctor::run(argc, argv); });
 }

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-namespace irt {
+namespace irt::doctor {
 
 struct OptionalPart {
   std::string_view name;
@@ -15,4 +15,4 @@ struct OptionalPart {
 /// As found when the build was configured.
 std::span<const OptionalPart> optional_parts();
 
-}  // namespace irt
+}  // namespace irt::doctor

@@ -9,7 +9,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace irt {
+namespace irt::doctor {
 namespace {
 
 struct BusyTime {
@@ -76,4 +76,4 @@ double clock_cost_ns() {
   return std::chrono::duration<double, std::nano>(last - start).count() / readings;
 }
 
-}  // namespace irt
+}  // namespace irt::doctor

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace irt {
+namespace irt::doctor {
 
 /// Why hardware counters cannot be read by this process; nothing where they can.
 std::optional<std::string> why_no_hardware_counters();
@@ -17,4 +17,4 @@ std::optional<double> foreign_load(std::chrono::milliseconds span);
 /// Nanoseconds that one reading of std::chrono::steady_clock takes.
 double clock_cost_ns();
 
-}  // namespace irt
+}  // namespace irt::doctor

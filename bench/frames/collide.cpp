@@ -10,7 +10,7 @@
 #include "bench/statistics/averages.hpp"
 #include "renderer/engine/collision.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 // Of every particle's count, first triangle and time of contact.
@@ -84,4 +84,4 @@ int collide(CollideOptions options, const QueueRegistry& queues) {
   return 0;
 }
 
-}  // namespace irt
+}  // namespace irt::frames

@@ -12,6 +12,11 @@
 #include "stress/running/shard.hpp"
 
 namespace irt {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Shard, index, count)
+
+}  // namespace irt
+
+namespace irt::frames {
 
 inline constexpr unsigned max_threads = 1024;
 
@@ -26,8 +31,6 @@ struct RenderOptions {
   std::filesystem::path trace;             ///< what each thread did when; empty: not recorded
 };
 int render(RenderOptions options, const QueueRegistry& queues);
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Shard, index, count)
 
 /// `irt compare`: several queues, several numbers of threads, several workloads, interleaved.
 struct CompareOptions {
@@ -78,4 +81,4 @@ void check_queue(const std::string& queue, const WorkloadOptions& workload);
 /// `threads`, or as many as the machine has where it is 0. Throws UsageError above `max_threads`.
 unsigned settle_threads(unsigned threads);
 
-}  // namespace irt
+}  // namespace irt::frames

@@ -17,7 +17,7 @@
 #include "stress/running/child_process.hpp"
 #include "stress/running/usage_error.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -457,4 +457,4 @@ int compare(const CompareOptions& options, QueueRegistry& queues) {
   return Comparison(options, queues).run();
 }
 
-}  // namespace irt
+}  // namespace irt::frames

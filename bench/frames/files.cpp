@@ -6,7 +6,7 @@
 
 #include "stress/running/usage_error.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 void write_rows(std::FILE* file, const Image& image, const std::filesystem::path& path) {
@@ -41,4 +41,4 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   finish_file(std::move(file), path);
 }
 
-}  // namespace irt
+}  // namespace irt::frames

@@ -6,7 +6,7 @@
 #include "renderer/scene/animation.hpp"
 #include "renderer/scene/scenes.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 template <class Entries>
@@ -36,4 +36,4 @@ int list(const QueueRegistry& queues) {
   return 0;
 }
 
-}  // namespace irt
+}  // namespace irt::frames

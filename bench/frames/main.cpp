@@ -10,7 +10,7 @@
 #include "stress/running/program.hpp"
 #include "stress/running/usage_error.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 const CLI::Range thread_range(1u, max_threads);
@@ -300,9 +300,9 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames
 
 int main(int argc, char** argv) {
   return irt::run_program(
-      "irt", [&] { return irt::run(argc, argv); }, "a smaller picture or scene");
+      "irt", [&] { return irt::frames::run(argc, argv); }, "a smaller picture or scene");
 }

@@ -13,7 +13,7 @@
 #include "renderer/engine/queue_engine.hpp"
 #include "renderer/engine/trace_log.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 template <bool measured>
@@ -133,4 +133,4 @@ int overhead(OverheadOptions options) {
   return 0;
 }
 
-}  // namespace irt
+}  // namespace irt::frames

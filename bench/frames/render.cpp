@@ -15,7 +15,7 @@
 #include "renderer/engine/trace_log.hpp"
 #include "stress/running/usage_error.hpp"
 
-namespace irt {
+namespace irt::frames {
 
 unsigned settle_threads(unsigned threads) {
   if (threads > max_threads) {
@@ -161,4 +161,4 @@ int render(RenderOptions options, const QueueRegistry& queues) {
   return cancel ? exit_interrupted : 0;
 }
 
-}  // namespace irt
+}  // namespace irt::frames

@@ -5,7 +5,7 @@
 
 #include "renderer/engine/trace_log.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 // Of all frames so far, `before` being that of all but the last.
@@ -107,4 +107,4 @@ std::optional<double> traverse_share(Workload& workload, const QueueEntry& queue
   return all > 0 ? traverse / all : 0;
 }
 
-}  // namespace irt
+}  // namespace irt::frames

@@ -11,7 +11,7 @@
 
 #include "bench/frames/workload.hpp"
 
-namespace irt {
+namespace irt::frames {
 
 /// What was measured. Everything but `seconds` is summed over the frames; times of workers over
 /// frames and workers.
@@ -70,4 +70,4 @@ Sample take_sample(Workload& workload, const QueueEntry& queue, const SampleOpti
 std::optional<double> traverse_share(Workload& workload, const QueueEntry& queue, unsigned threads,
                                      const std::atomic<bool>& cancel);
 
-}  // namespace irt
+}  // namespace irt::frames

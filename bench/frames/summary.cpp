@@ -7,7 +7,7 @@
 #include "bench/results/record.hpp"
 #include "bench/statistics/averages.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -292,4 +292,4 @@ std::string csv(const nlohmann::ordered_json& runs) {
   return names + '\n' + lines;
 }
 
-}  // namespace irt
+}  // namespace irt::frames

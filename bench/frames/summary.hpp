@@ -9,7 +9,7 @@
 
 #include "bench/frames/sample.hpp"
 
-namespace irt {
+namespace irt::frames {
 
 /// What all runs of one workload have in common.
 // NOLINTNEXTLINE(bugprone-exception-escape): moving JSON does not throw
@@ -37,4 +37,4 @@ std::string table(const nlohmann::ordered_json& runs);
 /// One line per run under a line of names: all fields but the conditions and lists.
 std::string csv(const nlohmann::ordered_json& runs);
 
-}  // namespace irt
+}  // namespace irt::frames

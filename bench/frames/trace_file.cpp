@@ -9,7 +9,7 @@
 
 #include "bench/frames/files.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -69,4 +69,4 @@ void write_trace(const std::filesystem::path& file, const TraceLog& log, nlohman
   write_text(file, text + "\n]}\n");
 }
 
-}  // namespace irt
+}  // namespace irt::frames

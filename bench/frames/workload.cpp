@@ -13,7 +13,7 @@
 #include "renderer/scene/scenes.hpp"
 #include "stress/running/usage_error.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 // The entry called `name`; the first one if `name` is empty, which is then filled in.
@@ -262,4 +262,4 @@ std::string Workload::image_hash() const {
   return fmt::format("{:016x}", frame_->hash());
 }
 
-}  // namespace irt
+}  // namespace irt::frames

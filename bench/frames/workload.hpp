@@ -15,7 +15,7 @@
 #include "renderer/shading/image.hpp"
 #include "renderer/shading/shader.hpp"
 
-namespace irt {
+namespace irt::frames {
 
 /// As given on the command line; the defaults are the thesis' (chapter 4).
 struct WorkloadOptions {
@@ -138,4 +138,4 @@ class Workload {
   std::unique_ptr<ImageRendering> application_;
 };
 
-}  // namespace irt
+}  // namespace irt::frames

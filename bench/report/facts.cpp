@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <functional>
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -222,4 +222,4 @@ std::vector<std::string> series_facts(const Results& results, std::span<const st
   };
 }
 
-}  // namespace irt
+}  // namespace irt::report

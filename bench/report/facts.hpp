@@ -7,7 +7,7 @@
 
 #include "bench/report/results.hpp"
 
-namespace irt {
+namespace irt::report {
 
 inline constexpr const char* not_measured = "not measured";
 inline constexpr const char* not_recorded = "not recorded";
@@ -25,4 +25,4 @@ std::vector<Fact> facts_of(const Results& results, std::span<const std::size_t> 
 std::vector<std::string> series_columns();
 std::vector<std::string> series_facts(const Results& results, std::span<const std::size_t> runs);
 
-}  // namespace irt
+}  // namespace irt::report

@@ -8,7 +8,7 @@
 
 #include "queues/baselines/baselines.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using Runs = std::vector<std::size_t>;  // indices into Results::runs
@@ -470,4 +470,4 @@ std::vector<Panel> panels_of(const Results& results) {
   return PanelMaker(results).make();
 }
 
-}  // namespace irt
+}  // namespace irt::report

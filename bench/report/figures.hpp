@@ -8,7 +8,7 @@
 #include "bench/report/facts.hpp"
 #include "bench/report/results.hpp"
 
-namespace irt {
+namespace irt::report {
 
 struct Point {
   double x = 0, y = 0;
@@ -59,4 +59,4 @@ struct Panel {
 /// Every panel that `results` have something for.
 std::vector<Panel> panels_of(const Results& results);
 
-}  // namespace irt
+}  // namespace irt::report

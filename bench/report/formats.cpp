@@ -14,7 +14,7 @@
 #include "bench/results/record.hpp"
 #include "bench/statistics/averages.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -140,21 +140,21 @@ Json micro_runs(const Json& document) {
 }
 
 // What `compare` has measured, summed up as it would have been at the end.
-Json compared_runs(const Json& header, const std::vector<Sample>& samples) {
-  std::vector<Background> backgrounds;
+Json compared_runs(const Json& header, const std::vector<frames::Sample>& samples) {
+  std::vector<frames::Background> backgrounds;
   const Json& plan = header.at("plan");
   for (std::size_t i = 0; i < plan.at("workloads").size(); ++i) {
     const Json& reference = header.at("references").at(i);
-    backgrounds.push_back({.workload = plan.at("workloads").at(i).get<WorkloadOptions>(),
+    backgrounds.push_back({.workload = plan.at("workloads").at(i).get<frames::WorkloadOptions>(),
                            .triangles = reference.at("triangles").get<std::size_t>(),
                            .warmup = plan.at("warmup").get<unsigned>(),
                            .traverse_share = reference.at("traverse_share").get<double>(),
                            .conditions = header.at("conditions")});
   }
-  for (const Sample& sample : samples) {
+  for (const frames::Sample& sample : samples) {
     if (sample.workload >= backgrounds.size()) throw std::out_of_range("workload");
   }
-  return summarise(samples, backgrounds);
+  return frames::summarise(samples, backgrounds);
 }
 
 // A journal: a header, then a result a line. The last line may be torn.
@@ -177,9 +177,10 @@ FileContents read_lines(const std::string& text, const std::filesystem::path& fi
   const Json header = lines.front();
   const std::string format = header.is_object() ? header.value("format", "") : "";
   std::size_t done = 0;
-  if (format == journal_format) {
-    std::vector<Sample> samples;
-    for (std::size_t i = 1; i < lines.size(); ++i) samples.push_back(lines[i].get<Sample>());
+  if (format == frames::journal_format) {
+    std::vector<frames::Sample> samples;
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      samples.push_back(lines[i].get<frames::Sample>());
     done = samples.size();
     contents.runs = compared_runs(header, samples);
   } else if (format == contention::journal_format) {
@@ -225,4 +226,4 @@ FileContents read_result_file(const std::filesystem::path& file) {
   }
 }
 
-}  // namespace irt
+}  // namespace irt::report

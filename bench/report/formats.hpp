@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace irt {
+namespace irt::report {
 
 /// What one file holds: an array of runs as the tools write them, each with its `conditions`.
 /// Google Benchmark's and the journals of interrupted sweeps are turned into such. Throws
@@ -16,4 +16,4 @@ struct FileContents {
 };
 FileContents read_result_file(const std::filesystem::path& file);
 
-}  // namespace irt
+}  // namespace irt::report

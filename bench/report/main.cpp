@@ -10,7 +10,7 @@
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 struct Options {
@@ -49,8 +49,8 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::report
 
 int main(int argc, char** argv) {
-  return irt::run_program("irt", [&] { return irt::run(argc, argv); });
+  return irt::run_program("irt", [&] { return irt::report::run(argc, argv); });
 }

@@ -7,7 +7,7 @@
 #include "bench/report/page_files.hpp"
 #include "bench/report/tables.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -104,4 +104,4 @@ std::string page_of(const Results& results, std::span<const Panel> panels) {
   return page;
 }
 
-}  // namespace irt
+}  // namespace irt::report

@@ -12,7 +12,7 @@
 #include "bench/running/text_files.hpp"
 #include "stress/running/child.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 // As in page.css: distinguishable by colour-blind readers, on white.
@@ -186,4 +186,4 @@ PlotsWritten write_plots(std::span<const Panel> panels, const std::filesystem::p
   return {.count = scripts.size(), .drawn = !scripts.empty() && draw(scripts, directory)};
 }
 
-}  // namespace irt
+}  // namespace irt::report

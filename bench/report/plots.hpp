@@ -6,7 +6,7 @@
 
 #include "bench/report/figures.hpp"
 
-namespace irt {
+namespace irt::report {
 
 /// Writes for every plot of every panel into `directory`, which is made: NAME.dat (the values),
 /// NAME.gp (a gnuplot script), NAME.txt (what must be said beside it); and for all, where gnuplot
@@ -18,4 +18,4 @@ struct PlotsWritten {
 };
 PlotsWritten write_plots(std::span<const Panel> panels, const std::filesystem::path& directory);
 
-}  // namespace irt
+}  // namespace irt::report

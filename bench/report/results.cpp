@@ -15,7 +15,7 @@
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -311,4 +311,4 @@ Results read_results(std::span<const std::filesystem::path> places) {
   return results;
 }
 
-}  // namespace irt
+}  // namespace irt::report

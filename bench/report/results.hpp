@@ -13,7 +13,7 @@
 
 #include "bench/results/fields.hpp"
 
-namespace irt {
+namespace irt::report {
 
 /// A file that cannot be read as results. `what()` is one line: which file, what is wrong with it.
 /// Ends in exit code 2.
@@ -68,4 +68,4 @@ std::string environment_name(std::size_t index);
 /// lies in a directory becomes a note. What is measured twice counts once, the newest.
 Results read_results(std::span<const std::filesystem::path> places);
 
-}  // namespace irt
+}  // namespace irt::report

@@ -10,7 +10,7 @@
 
 #include "bench/report/facts.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -149,4 +149,4 @@ nlohmann::ordered_json tables_of(const Results& results) {
   return tables;
 }
 
-}  // namespace irt
+}  // namespace irt::report

@@ -9,7 +9,7 @@
 
 #include "renderer/bvh/accelerator.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 
 struct Contestant {
   std::string name;
@@ -53,4 +53,4 @@ TimedBuild time_our_build(const Mesh& mesh, unsigned threads);
 /// Builds Embree's of medium and of high quality. Empty where the build has no Embree.
 std::vector<TimedBuild> time_embree_builds(const Mesh& mesh, unsigned threads);
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

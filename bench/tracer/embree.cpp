@@ -5,7 +5,7 @@
 
 #include "bench/tracer/contestant.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 /// A scene of one mesh, committed.
@@ -276,4 +276,4 @@ std::vector<TimedBuild> time_embree_builds(const Mesh& mesh, unsigned threads) {
           {"embree high", EmbreeScene(mesh, high, threads).commit_ms(), 0}};
 }
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

@@ -4,7 +4,7 @@
 
 #include "queues/registry.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 constexpr std::uint32_t rays_per_task = 256;
@@ -35,4 +35,4 @@ std::uint32_t differing_pixels(const FrameBuffer& a, const FrameBuffer& b) {
   return differing;
 }
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

@@ -10,7 +10,7 @@
 #include "renderer/frame_buffer/private_sums.hpp"
 #include "renderer/shading/image.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 
 /// Renders frames with one contestant: the rays are made, queued and shaded by the same code for
 /// all of them, and only the accelerator differs.
@@ -38,4 +38,4 @@ class FrameBench {
 /// The pixels whose brightest difference is more than a hundredth of white.
 std::uint32_t differing_pixels(const FrameBuffer& a, const FrameBuffer& b);
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

@@ -19,7 +19,7 @@
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 struct Options {
@@ -337,8 +337,8 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace irt::bench
+}  // namespace irt::tracer
 
 int main(int argc, char** argv) {
-  return irt::run_program("irt bench tracer", [&] { return irt::bench::run(argc, argv); });
+  return irt::run_program("irt bench tracer", [&] { return irt::tracer::run(argc, argv); });
 }

@@ -8,7 +8,7 @@
 #include "bench/statistics/averages.hpp"
 #include "renderer/tracing/stopwatch.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 /// The lanes of one array that hold rays.
@@ -122,4 +122,4 @@ Disagreement compare(RayKind kind, std::span<const Rays> batches,
   return found;
 }
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

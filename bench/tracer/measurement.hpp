@@ -9,7 +9,7 @@
 #include "bench/tracer/scene_rays.hpp"
 #include "renderer/bvh/executor.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 
 /// Half the range of the middle half of `values`, in per cent of their median.
 double spread(std::vector<double> values);
@@ -60,4 +60,4 @@ struct Disagreement {
 Disagreement compare(RayKind kind, std::span<const Rays> batches,
                      std::span<const Answers> reference, std::span<const Answers> answers);
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

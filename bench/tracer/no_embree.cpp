@@ -1,7 +1,7 @@
 // Stands in for embree.cpp where the library is missing.
 #include "bench/tracer/contestant.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 
 Contestants embree_contestants(const Mesh& /*mesh*/, std::span<const std::string> /*wanted*/) {
   return {};
@@ -17,4 +17,4 @@ std::vector<std::string> embree_names() {
 
 void flush_denormals() {}
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

@@ -6,7 +6,7 @@
 #include "renderer/bvh/executor.hpp"
 #include "renderer/bvh/wide/build.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 /// As "wide 16" or "wide 16 watertight"; the default kernel is not named.
@@ -74,4 +74,4 @@ TimedBuild time_our_build(const Mesh& mesh, unsigned threads) {
   return {"wide", taken.count(), bvh.sah_cost};
 }
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

@@ -3,7 +3,7 @@
 #include "renderer/shading/primary_rays.hpp"
 #include "renderer/tracing/surface.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 constexpr std::uint32_t even_bits(std::uint32_t morton) {
@@ -85,4 +85,4 @@ std::vector<Rays> rays_of(const Scene& scene, std::uint32_t side, RayKind kind,
   return batches;
 }
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

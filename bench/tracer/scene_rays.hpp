@@ -6,7 +6,7 @@
 
 #include "bench/tracer/contestant.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 
 enum class RayKind { primary, shadow, specular };
 std::string_view name_of(RayKind kind);
@@ -29,4 +29,4 @@ void add_mirrored_rays(const Scene& scene, const Rays& rays, const Hits& hits, R
 std::vector<Rays> rays_of(const Scene& scene, std::uint32_t side, RayKind kind,
                           const Contestant& guide);
 
-}  // namespace irt::bench
+}  // namespace irt::tracer

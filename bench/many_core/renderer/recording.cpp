@@ -43,7 +43,7 @@ double thread_ns() {
 // Renders one frame after the other, each into a Recording of its own.
 class Recorder {
  public:
-  explicit Recorder(const Workload& workload)
+  explicit Recorder(const frames::Workload& workload)
       : workload_(workload),
         size_(workload.options().task_size),
         frame_(workload.options().width, workload.options().height),
@@ -104,7 +104,7 @@ class Recorder {
     task.pixels = static_cast<std::uint32_t>(frame_.pixels.size()) - first_pixel;
   }
 
-  const Workload& workload_;
+  const frames::Workload& workload_;
   std::uint32_t size_;
   NotedContributions frame_;
   std::unique_ptr<Shader> shader_;
@@ -136,7 +136,8 @@ std::uint64_t Recording::rays() const {
   return sum;
 }
 
-Recording record(const Workload& workload, unsigned repetitions, const std::atomic<bool>& cancel) {
+Recording record(const frames::Workload& workload, unsigned repetitions,
+                 const std::atomic<bool>& cancel) {
   Recorder recorder(workload);
   recorder.frame(cancel);  // memory and caches warm up
   std::vector<Recording> frames;

@@ -37,6 +37,7 @@ struct Recording {
 /// Renders `workload` task by task, first come, first served, on the calling thread, `repetitions`
 /// times; the cost of a task is the median, so that a lost core disturbs none. The clock's own cost
 /// is taken off. If `cancel` becomes true the recording has no tasks.
-Recording record(const Workload& workload, unsigned repetitions, const std::atomic<bool>& cancel);
+Recording record(const frames::Workload& workload, unsigned repetitions,
+                 const std::atomic<bool>& cancel);
 
 }  // namespace irt::many_core

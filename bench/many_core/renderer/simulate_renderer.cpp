@@ -22,7 +22,7 @@ struct Arguments {
   std::vector<std::string> queues, plugins, scenes;
   std::vector<std::uint32_t> task_sizes{256};
   std::string cores, termination, placement = "close";
-  WorkloadOptions workload;
+  frames::WorkloadOptions workload;
   std::vector<double> mean_task_us;
   double factor = 0, one_core_fps = 0;
   unsigned repetitions = 5, seeds = 3, frames = 1;
@@ -162,10 +162,11 @@ void print_comparison(const std::vector<Json>& runs) {
 }
 
 // Simulates one workload at every pace, prints what comes out and returns it.
-std::vector<Json> simulate_workload(const WorkloadOptions& options, const QueueRegistry& registry,
-                                    const Arguments& given, const Profile& profile,
-                                    RendererSweep& sweeping, const std::atomic<bool>& cancel) {
-  Workload workload(options);
+std::vector<Json> simulate_workload(const frames::WorkloadOptions& options,
+                                    const QueueRegistry& registry, const Arguments& given,
+                                    const Profile& profile, RendererSweep& sweeping,
+                                    const std::atomic<bool>& cancel) {
+  frames::Workload workload(options);
   const Recording recording = record(workload, given.repetitions, cancel);
   if (cancel) return {};
   const bool talks = given.json != "-";
@@ -225,7 +226,7 @@ int simulate_renderer(const std::vector<std::string>& arguments) {
   Json all = Json::array();
   for (const std::string& scene : given.scenes) {
     for (const std::uint32_t task_size : given.task_sizes) {
-      WorkloadOptions options = given.workload;
+      frames::WorkloadOptions options = given.workload;
       options.scene = scene;
       options.task_size = task_size;
       check(options);

@@ -141,7 +141,7 @@ std::vector<Json> sweep_renderer(const Profile& profile, const Recording& record
   return runs;
 }
 
-void describe(Json& run, const WorkloadOptions& workload, Placement placement,
+void describe(Json& run, const frames::WorkloadOptions& workload, Placement placement,
               const Recording& recording) {
   const double work = recording.work_ns();
   results::add(run, {{"scenario", "renderer"}});

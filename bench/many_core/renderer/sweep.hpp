@@ -49,8 +49,8 @@ std::vector<nlohmann::ordered_json> sweep_renderer(const Profile& profile,
                                                    const std::function<void()>& on_point);
 
 /// Adds to a run of `sweep_renderer` which workload was replayed.
-void describe(nlohmann::ordered_json& run, const WorkloadOptions& workload, Placement placement,
-              const Recording& recording);
+void describe(nlohmann::ordered_json& run, const frames::WorkloadOptions& workload,
+              Placement placement, const Recording& recording);
 
 /// The command; `arguments` without the name of the program. Throws UsageError, SceneError,
 /// ProfileError and CLI::Error.

@@ -7,7 +7,7 @@
 
 namespace irt::many_core {
 
-std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload,
+std::vector<nlohmann::ordered_json> validate_renderer(frames::Workload& workload,
                                                       const QueueRegistry& registry,
                                                       const Profile& profile,
                                                       const Recording& recording,
@@ -17,8 +17,9 @@ std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload,
   for (unsigned round = 0; round < rounds; ++round) {
     for (const unsigned threads : options.cores) {
       for (const std::string& queue : options.queues) {
-        const SampleOptions sampling{.threads = threads, .warmup = 1, .frames = 4};
-        const Sample sample = take_sample(workload, registry.at(queue), sampling, cancel);
+        const frames::SampleOptions sampling{.threads = threads, .warmup = 1, .frames = 4};
+        const frames::Sample sample =
+            frames::take_sample(workload, registry.at(queue), sampling, cancel);
         auto& all = seconds[{queue, threads}];
         all.insert(all.end(), sample.seconds.begin(), sample.seconds.end());
       }

@@ -14,7 +14,7 @@ namespace irt::many_core {
 /// `profile` is this machine's. Measurements go round and round, `rounds` times some frames each.
 /// One object per queue and number of cores: queue, threads, measured_fps (median) with quartiles
 /// measured_low and measured_high, predicted_fps, ratio (predicted over measured).
-std::vector<nlohmann::ordered_json> validate_renderer(Workload& workload,
+std::vector<nlohmann::ordered_json> validate_renderer(frames::Workload& workload,
                                                       const QueueRegistry& registry,
                                                       const Profile& profile,
                                                       const Recording& recording,

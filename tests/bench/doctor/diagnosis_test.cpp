@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 
-namespace irt {
+namespace irt::doctor {
 namespace {
 
 /// A machine on which nothing bends a figure.
@@ -27,18 +27,18 @@ Examination quiet_machine() {
   return machine;
 }
 
-Finding about(const std::string& subject, const Examination& machine,
-              std::span<const OptionalPart> parts = {}) {
-  for (const Finding& finding : diagnose(machine, parts)) {
-    if (finding.subject == subject) return finding;
+Diagnosis about(const std::string& subject, const Examination& machine,
+                std::span<const OptionalPart> parts = {}) {
+  for (const Diagnosis& diagnosis : diagnose(machine, parts)) {
+    if (diagnosis.subject == subject) return diagnosis;
   }
-  throw std::out_of_range("no finding about " + subject);
+  throw std::out_of_range("no diagnosis about " + subject);
 }
 
 TEST(Diagnosis, FindsNothingWrongWithAQuietMachine) {
-  for (const Finding& finding : diagnose(quiet_machine(), {})) {
-    EXPECT_EQ(finding.verdict, Verdict::good) << finding.subject << ": " << finding.found;
-    EXPECT_FALSE(finding.meaning.empty()) << finding.subject;
+  for (const Diagnosis& diagnosis : diagnose(quiet_machine(), {})) {
+    EXPECT_EQ(diagnosis.severity, Severity::good) << diagnosis.subject << ": " << diagnosis.found;
+    EXPECT_FALSE(diagnosis.meaning.empty()) << diagnosis.subject;
   }
 }
 
@@ -46,69 +46,69 @@ TEST(Diagnosis, WarnsOfAVirtualMachine) {
   Examination machine = quiet_machine();
   machine.system.virtual_machine = true;
   machine.system.hypervisor = "KVM";
-  EXPECT_EQ(about("Processor", machine).verdict, Verdict::caution);
+  EXPECT_EQ(about("Processor", machine).severity, Severity::caution);
   EXPECT_NE(about("Processor", machine).found.find("KVM"), std::string::npos);
 }
 
 TEST(Diagnosis, SaysWhereSharedCoresLimitTheSpeedUp) {
   Examination machine = quiet_machine();
   machine.topology.hardware_threads = machine.topology.machine_threads = 16;
-  const Finding cores = about("Cores", machine);
-  EXPECT_EQ(cores.verdict, Verdict::note);
+  const Diagnosis cores = about("Cores", machine);
+  EXPECT_EQ(cores.severity, Severity::note);
   EXPECT_NE(cores.meaning.find("beyond 8 threads"), std::string::npos) << cores.meaning;
 }
 
 TEST(Diagnosis, MentionsProcessorsTakenAwayByAnAffinityMask) {
   Examination machine = quiet_machine();
   machine.topology.machine_threads = 64;
-  EXPECT_EQ(about("Cores", machine).verdict, Verdict::note);
+  EXPECT_EQ(about("Cores", machine).severity, Severity::note);
 }
 
 TEST(Diagnosis, WarnsOfAGovernorThatFollowsTheLoad) {
   Examination machine = quiet_machine();
   machine.system.governor = "powersave";
-  EXPECT_EQ(about("Frequency", machine).verdict, Verdict::caution);
+  EXPECT_EQ(about("Frequency", machine).severity, Severity::caution);
   machine.system.governor = "performance";
   machine.system.turbo = true;
-  EXPECT_EQ(about("Frequency", machine).verdict, Verdict::note);
+  EXPECT_EQ(about("Frequency", machine).severity, Severity::note);
 }
 
 TEST(Diagnosis, WarnsOfASlowClock) {
   Examination machine = quiet_machine();
   machine.clock_cost_ns = 800;
-  EXPECT_EQ(about("Clock", machine).verdict, Verdict::caution);
+  EXPECT_EQ(about("Clock", machine).severity, Severity::caution);
 }
 
 TEST(Diagnosis, WarnsOfALimitBelowTheProcessorsOnly) {
   Examination machine = quiet_machine();
   machine.system.cpu_limit = 1.5;
-  EXPECT_EQ(about("Processor limit", machine).verdict, Verdict::caution);
+  EXPECT_EQ(about("Processor limit", machine).severity, Severity::caution);
   EXPECT_NE(about("Processor limit", machine).meaning.find("1 thread"), std::string::npos);
   machine.system.cpu_limit = 8.0;
-  EXPECT_EQ(about("Processor limit", machine).verdict, Verdict::good);
+  EXPECT_EQ(about("Processor limit", machine).severity, Severity::good);
 }
 
 TEST(Diagnosis, WarnsOfForeignLoad) {
   Examination machine = quiet_machine();
   machine.foreign_load = 0.9;
-  EXPECT_EQ(about("Other programs", machine).verdict, Verdict::caution);
+  EXPECT_EQ(about("Other programs", machine).severity, Severity::caution);
 }
 
 TEST(Diagnosis, SaysWhyThereAreNoCounters) {
   Examination machine = quiet_machine();
   machine.no_hardware_counters = "the kernel has no perf_event";
-  EXPECT_EQ(about("Hardware counters", machine).verdict, Verdict::note);
+  EXPECT_EQ(about("Hardware counters", machine).severity, Severity::note);
   EXPECT_NE(about("Hardware counters", machine).found.find("no perf_event"), std::string::npos);
 }
 
 TEST(Diagnosis, NamesThePackageOfAPartThatIsOff) {
   const std::vector<OptionalPart> parts{{"queue one", "libone-dev", true},
                                         {"queue two", "libtwo-dev", false}};
-  EXPECT_EQ(about("queue one", quiet_machine(), parts).verdict, Verdict::good);
-  const Finding off = about("queue two", quiet_machine(), parts);
+  EXPECT_EQ(about("queue one", quiet_machine(), parts).severity, Severity::good);
+  const Diagnosis off = about("queue two", quiet_machine(), parts);
   EXPECT_EQ(off.found, "off");
   EXPECT_NE(off.meaning.find("libtwo-dev"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::doctor

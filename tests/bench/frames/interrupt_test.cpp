@@ -6,7 +6,7 @@
 
 #include "tests/bench/running_tool.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 TEST(Interrupt, LeavesPicturesWhole) {
@@ -49,4 +49,4 @@ TEST(Interrupt, BeforeAnythingIsMeasuredIsOneLine) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames

@@ -5,7 +5,7 @@
 
 #include "tests/bench/running_tool.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 TEST(Length, OfASmallSceneIsWhatWasAskedFor) {
@@ -19,4 +19,4 @@ TEST(Length, OfASmallSceneIsWhatWasAskedFor) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames

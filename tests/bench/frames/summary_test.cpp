@@ -4,7 +4,7 @@
 
 #include "tests/bench/fields.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 Sample sample(const std::string& queue, unsigned threads, std::vector<double> seconds) {
@@ -123,4 +123,4 @@ TEST(Summary, CsvHasALineOfNamesAndALinePerRun) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames

@@ -14,7 +14,7 @@
 #include "tests/bench/fields.hpp"
 #include "tests/bench/running_tool.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 /// A running `irt-frames`.
@@ -477,4 +477,4 @@ TEST(Tool, TooManyThreadsForTheSystemIsOneLine) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames

@@ -9,7 +9,7 @@
 #include "bench/frames/trace_file.hpp"
 #include "tests/bench/temporary.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 struct Event {
@@ -154,4 +154,4 @@ TEST_F(TraceTest, PushesThatFollowEachOtherAreOneSpan) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames

@@ -5,7 +5,7 @@
 
 #include "queues/registry.hpp"
 
-namespace irt {
+namespace irt::frames {
 namespace {
 
 // A small picture in which every choice has something to do.
@@ -67,4 +67,4 @@ TEST(SamePicture, ChoicesThatDoNotShowGiveItToTheLastBit) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::frames

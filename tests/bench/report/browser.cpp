@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 constexpr int patience_ms = 100'000;
@@ -190,4 +190,4 @@ void Browser::note(const nlohmann::json& event) {
   }
 }
 
-}  // namespace irt
+}  // namespace irt::report

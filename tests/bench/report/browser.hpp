@@ -9,7 +9,7 @@
 
 #include "tests/bench/temporary.hpp"
 
-namespace irt {
+namespace irt::report {
 
 /// One page at a time. Every call throws std::runtime_error where the browser does not answer
 /// within two minutes.
@@ -54,4 +54,4 @@ class Browser {
   std::vector<std::string> complaints_;
 };
 
-}  // namespace irt
+}  // namespace irt::report

@@ -10,7 +10,7 @@
 #include "tests/bench/report/synthetic.hpp"
 #include "tests/bench/temporary.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using synthetic::Json;
@@ -299,4 +299,4 @@ TEST_F(FiguresTest, SimulatedLinesOfAPaperAreDashed) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::report

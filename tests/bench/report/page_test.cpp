@@ -9,7 +9,7 @@
 #include "tests/bench/report/browser.hpp"
 #include "tests/bench/report/synthetic.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using synthetic::Json;
@@ -194,4 +194,4 @@ TEST_F(PageTest, ItPrints) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::report

@@ -10,7 +10,7 @@
 #include "tests/bench/report/synthetic.hpp"
 #include "tests/bench/temporary.hpp"
 
-namespace irt {
+namespace irt::report {
 namespace {
 
 using synthetic::Json;
@@ -155,9 +155,8 @@ TEST_F(ReadingTest, ShardsMergeAndWhatIsThereTwiceCountsOnce) {
   ASSERT_EQ(results.notes.size(), 2u);
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "more than once", results.notes[0]);
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "newest", results.notes[1]);
-  EXPECT_TRUE(std::ranges::any_of(results.runs, [](const irt::Run& run) {
-    return run.number("operations_per_second") == 1234;
-  }));
+  EXPECT_TRUE(std::ranges::any_of(
+      results.runs, [](const report::Run& run) { return run.number("operations_per_second") == 1234; }));
 }
 
 // Whatever tells runs apart, two runs that differ in nothing else are both kept.
@@ -226,7 +225,7 @@ TEST_F(ReadingTest, GoogleBenchmarksRepetitionsBecomeAMeanWithItsInterval) {
   const Results results =
       read({write("micro.json", synthetic::micro({"push_pop<lock>", "pop_empty"}).dump())});
   ASSERT_EQ(results.runs.size(), 2u);
-  const irt::Run& run = results.runs[0];
+  const report::Run& run = results.runs[0];
   EXPECT_EQ(run.subject(), "push_pop<lock>");
   EXPECT_NEAR(*run.number("ns_per_operation"), 8.2, 1e-9);
   // Three samples, 0.2 apart: t(0.975; 2) = 4.3027, times 0.2 / sqrt(3).
@@ -258,4 +257,4 @@ TEST_F(ReadingTest, WhatDidNotEndWellIsNamed) {
 }
 
 }  // namespace
-}  // namespace irt
+}  // namespace irt::report

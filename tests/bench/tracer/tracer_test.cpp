@@ -7,7 +7,7 @@
 #include "bench/tracer/scene_rays.hpp"
 #include "renderer/scene/scenes.hpp"
 
-namespace irt::bench {
+namespace irt::tracer {
 namespace {
 
 const std::vector<std::string> everything{"all"};
@@ -111,4 +111,4 @@ TEST(TracerBench, BuildsAreTimed) {
 }
 
 }  // namespace
-}  // namespace irt::bench
+}  // namespace irt::tracer

@@ -8,8 +8,8 @@
 namespace irt::many_core {
 namespace {
 
-WorkloadOptions small() {
-  WorkloadOptions options;
+frames::WorkloadOptions small() {
+  frames::WorkloadOptions options;
   options.scene = "bunny";
   options.width = options.height = 64;
   options.task_size = 32;
@@ -18,7 +18,7 @@ WorkloadOptions small() {
 }
 
 TEST(Recording, IsTheTreeThatTheEngineWorksThrough) {
-  Workload workload(small());
+  frames::Workload workload(small());
   const std::atomic<bool> go_on{false};
   const Recording recording = record(workload, 3, go_on);
 
@@ -39,7 +39,7 @@ TEST(Recording, IsTheTreeThatTheEngineWorksThrough) {
 }
 
 TEST(Recording, HasAContributionPerRayAndCosts) {
-  const Workload workload(small());
+  const frames::Workload workload(small());
   const std::atomic<bool> go_on{false};
   const Recording recording = record(workload, 3, go_on);
   std::uint32_t next = 0;
@@ -56,7 +56,7 @@ TEST(Recording, HasAContributionPerRayAndCosts) {
 }
 
 TEST(Recording, CanBeStopped) {
-  const Workload workload(small());
+  const frames::Workload workload(small());
   const std::atomic<bool> stop{true};
   EXPECT_TRUE(record(workload, 3, stop).tasks.empty());
 }
