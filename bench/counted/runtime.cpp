@@ -1,16 +1,21 @@
-// The entry points that -fsanitize=thread compiles atomic operations into, carried out for real and
-// counted for the thread. Their names and signatures are the compilers' (GCC: sanitizer.def, Clang:
-// ThreadSanitizer.cpp). Plain accesses are let through: their hooks do nothing.
+// The entry points that -fsanitize=thread compiles accesses into: atomic operations are carried out
+// for real and counted for the thread. Plain accesses are let through: their hooks do nothing.
 //
 // Read-modify-writes are sequentially consistent whatever was asked for; on x86-64 they are so
 // anyway. Loads and stores have the order asked for, or the next stronger one.
 
 #include <atomic>
 #include <cstddef>
+#include <cstring>
+#include <utility>
 
 #include "bench/counted/atomic_events.hpp"
+#include "stress/virtual_cores/modification.hpp"
+#include "stress/virtual_cores/sanitizer_abi.hpp"
 
 namespace {
+
+using irt::virtual_cores::Modification;
 
 struct alignas(128) Counts {
   irt::AtomicEvents events;
@@ -18,16 +23,83 @@ struct alignas(128) Counts {
 
 thread_local constinit Counts counts;
 
-using u8 = std::uint8_t;
-using u16 = std::uint16_t;
-using u32 = std::uint32_t;
-using u64 = std::uint64_t;
-
 constexpr int seq_cst = __ATOMIC_SEQ_CST;
 
-/// Compilers may add flags above the order itself.
 bool is_seq_cst(int order) {
-  return (order & 7) == seq_cst;
+  return irt::sanitizer::order_of(order) == seq_cst;
+}
+
+/// Of 16 bytes the processor has the compare-and-swap alone.
+template <class Word>
+constexpr bool is_wide = sizeof(Word) == 16;
+
+/// Whether it was done; if not, `expected` becomes what was seen.
+template <class Word>
+bool compare_and_swap(volatile Word* object, Word& expected, Word desired) {
+  if constexpr (is_wide<Word>) {
+    const Word seen = __sync_val_compare_and_swap(object, expected, desired);
+    return std::exchange(expected, seen) == seen;
+  } else {
+    return __atomic_compare_exchange_n(object, &expected, desired, false, seq_cst, seq_cst);
+  }
+}
+
+template <class Word>
+Word load(const volatile Word* object, int order) {
+  if constexpr (is_wide<Word>) {
+    Word seen = 0;
+    compare_and_swap(const_cast<volatile Word*>(object), seen, seen);  // NOLINT: changes nothing
+    return seen;
+  } else {
+    return is_seq_cst(order) ? __atomic_load_n(object, seq_cst)
+                             : __atomic_load_n(object, __ATOMIC_ACQUIRE);
+  }
+}
+
+template <Modification modification, class Word>
+Word modify(volatile Word* object, Word operand) {
+  if constexpr (is_wide<Word>) {
+    Word seen = *object;  // a guess that the loop confirms
+    while (!compare_and_swap(object, seen,
+                             irt::virtual_cores::apply(modification, seen, operand, sizeof seen))) {
+    }
+    return seen;
+  } else {
+    switch (modification) {
+      case Modification::exchange:
+        return __atomic_exchange_n(object, operand, seq_cst);
+      case Modification::fetch_add:
+        return __atomic_fetch_add(object, operand, seq_cst);
+      case Modification::fetch_sub:
+        return __atomic_fetch_sub(object, operand, seq_cst);
+      case Modification::fetch_and:
+        return __atomic_fetch_and(object, operand, seq_cst);
+      case Modification::fetch_or:
+        return __atomic_fetch_or(object, operand, seq_cst);
+      case Modification::fetch_xor:
+        return __atomic_fetch_xor(object, operand, seq_cst);
+      case Modification::fetch_nand:
+        return __atomic_fetch_nand(object, operand, seq_cst);
+    }
+  }
+}
+
+template <class Word>
+void store(volatile Word* object, Word desired, int order) {
+  if constexpr (is_wide<Word>)
+    modify<Modification::exchange>(object, desired);
+  else if (is_seq_cst(order))
+    __atomic_store_n(object, desired, seq_cst);
+  else
+    __atomic_store_n(object, desired, __ATOMIC_RELEASE);
+}
+
+template <class Word>
+bool compare_exchange(volatile Word* object, Word& expected, Word desired) {
+  const bool done = compare_and_swap(object, expected, desired);
+  ++counts.events.compare_exchanges;
+  if (!done) ++counts.events.failed_compare_exchanges;
+  return done;
 }
 
 }  // namespace
@@ -38,85 +110,52 @@ __attribute__((visibility("default"))) AtomicEvents& atomic_events() {
 }
 }  // namespace irt
 
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTBEGIN(bugprone-reserved-identifier,bugprone-macro-parentheses,readability-identifier-naming)
 #define IRT_HOOK extern "C" __attribute__((visibility("default")))
 
-#define IRT_PLAIN(prefix, size)                       \
-  IRT_HOOK void __tsan_##prefix##read##size(void*) {} \
-  IRT_HOOK void __tsan_##prefix##write##size(void*) {}
-#define IRT_PLAIN_ALL(prefix) \
-  IRT_PLAIN(prefix, 1)        \
-  IRT_PLAIN(prefix, 2)        \
-  IRT_PLAIN(prefix, 4)        \
-  IRT_PLAIN(prefix, 8)        \
-  IRT_PLAIN(prefix, 16)
-IRT_PLAIN_ALL()
-IRT_PLAIN_ALL(unaligned_)
-IRT_PLAIN_ALL(volatile_)
-IRT_PLAIN_ALL(unaligned_volatile_)
-
-IRT_HOOK void __tsan_read_range(void*, std::size_t) {}
-IRT_HOOK void __tsan_write_range(void*, std::size_t) {}
-IRT_HOOK void __tsan_vptr_read(void**) {}
-IRT_HOOK void __tsan_vptr_update(void**, void*) {}
-IRT_HOOK void __tsan_func_entry(void*) {}
-IRT_HOOK void __tsan_func_exit() {}
-IRT_HOOK void __tsan_init() {}
-IRT_HOOK void __tsan_acquire(void*) {}
-IRT_HOOK void __tsan_release(void*) {}
-IRT_HOOK void __tsan_atomic_thread_fence(int) {
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-}
-IRT_HOOK void __tsan_atomic_signal_fence(int) {
-  std::atomic_signal_fence(std::memory_order_seq_cst);
-}
-
-#define IRT_MODIFY(bits, name, builtin)                                                    \
-  IRT_HOOK u##bits __tsan_atomic##bits##_##name(volatile u##bits* p, u##bits value, int) { \
-    ++counts.events.other_modifications;                                                   \
-    return builtin(p, value, seq_cst);                                                     \
+#define IRT_PLAIN(name, kind, bytes) \
+  IRT_HOOK void __tsan_##name(void*) {}
+IRT_SANITIZER_PLAIN(IRT_PLAIN)
+#define IRT_OTHER(name, parameters) \
+  IRT_HOOK void __tsan_##name parameters {}
+IRT_SANITIZER_OTHER(IRT_OTHER)
+#define IRT_FENCE(name)                   \
+  IRT_HOOK void __tsan_##name(int) {      \
+    std::name(std::memory_order_seq_cst); \
   }
-
-#define IRT_COMPARE_EXCHANGE(bits, name)                                                          \
-  IRT_HOOK int __tsan_atomic##bits##_compare_exchange_##name(                                     \
-      volatile u##bits* p, u##bits* expected, u##bits desired, int, int) {                        \
-    const bool done = __atomic_compare_exchange_n(p, expected, desired, false, seq_cst, seq_cst); \
-    ++counts.events.compare_exchanges;                                                            \
-    if (!done) ++counts.events.failed_compare_exchanges;                                          \
-    return done ? 1 : 0;                                                                          \
+IRT_SANITIZER_FENCES(IRT_FENCE)
+#define IRT_BLOCK(name, Second)                                              \
+  IRT_HOOK void* __tsan_##name(void* to, Second second, std::size_t bytes) { \
+    return std::name(to, second, bytes);                                     \
   }
+IRT_SANITIZER_BLOCKS(IRT_BLOCK)
 
-#define IRT_ATOMIC(bits)                                                                           \
-  IRT_HOOK u##bits __tsan_atomic##bits##_load(const volatile u##bits* p, int order) {              \
-    ++counts.events.loads;                                                                         \
-    return is_seq_cst(order) ? __atomic_load_n(p, seq_cst) : __atomic_load_n(p, __ATOMIC_ACQUIRE); \
-  }                                                                                                \
-  IRT_HOOK void __tsan_atomic##bits##_store(volatile u##bits* p, u##bits value, int order) {       \
-    ++counts.events.stores;                                                                        \
-    if (is_seq_cst(order))                                                                         \
-      __atomic_store_n(p, value, seq_cst);                                                         \
-    else                                                                                           \
-      __atomic_store_n(p, value, __ATOMIC_RELEASE);                                                \
-  }                                                                                                \
-  IRT_MODIFY(bits, exchange, __atomic_exchange_n)                                                  \
-  IRT_MODIFY(bits, fetch_add, __atomic_fetch_add)                                                  \
-  IRT_MODIFY(bits, fetch_sub, __atomic_fetch_sub)                                                  \
-  IRT_MODIFY(bits, fetch_and, __atomic_fetch_and)                                                  \
-  IRT_MODIFY(bits, fetch_or, __atomic_fetch_or)                                                    \
-  IRT_MODIFY(bits, fetch_xor, __atomic_fetch_xor)                                                  \
-  IRT_MODIFY(bits, fetch_nand, __atomic_fetch_nand)                                                \
-  IRT_COMPARE_EXCHANGE(bits, strong)                                                               \
-  IRT_COMPARE_EXCHANGE(bits, weak)                                                                 \
-  IRT_HOOK u##bits __tsan_atomic##bits##_compare_exchange_val(                                     \
-      volatile u##bits* p, u##bits expected, u##bits desired, int, int) {                          \
-    __tsan_atomic##bits##_compare_exchange_strong(p, &expected, desired, seq_cst, seq_cst);        \
-    return expected;                                                                               \
+#define IRT_LOAD(bits, name)                         \
+  IRT_HOOK IRT_SANITIZER_LOAD(bits, __tsan_##name) { \
+    ++counts.events.loads;                           \
+    return load(object, order);                      \
   }
-
-IRT_ATOMIC(8)
-IRT_ATOMIC(16)
-IRT_ATOMIC(32)
-IRT_ATOMIC(64)
+#define IRT_STORE(bits, name)                         \
+  IRT_HOOK IRT_SANITIZER_STORE(bits, __tsan_##name) { \
+    ++counts.events.stores;                           \
+    store(object, desired, order);                    \
+  }
+#define IRT_MODIFY(bits, name, modification)                    \
+  IRT_HOOK IRT_SANITIZER_MODIFY(bits, __tsan_##name) {          \
+    ++counts.events.other_modifications;                        \
+    return modify<Modification::modification>(object, operand); \
+  }
+#define IRT_COMPARE(bits, name, weak)                            \
+  IRT_HOOK IRT_SANITIZER_COMPARE(bits, __tsan_##name) {          \
+    return compare_exchange(object, *expected, desired) ? 1 : 0; \
+  }
+#define IRT_COMPARE_VALUE(bits, name)                         \
+  IRT_HOOK IRT_SANITIZER_COMPARE_VALUE(bits, __tsan_##name) { \
+    compare_exchange(object, expected, desired);              \
+    return expected;                                          \
+  }
+IRT_SANITIZER_ATOMICS(IRT_LOAD, IRT_STORE, IRT_MODIFY, IRT_COMPARE, IRT_COMPARE_VALUE)
+// NOLINTEND(bugprone-reserved-identifier,bugprone-macro-parentheses,readability-identifier-naming)
 
 #if defined(__x86_64__)
 // What some instructions have become in these objects (stress/virtual_cores/prelude.hpp).
@@ -128,47 +167,3 @@ asm(".pushsection .text\n.globl irt_vc_cpu_pause\n.type irt_vc_cpu_pause, @funct
     "irt_vc_cpu_random:\npushq %rax\nrdrand %rax\nmovq %rax, 16(%rsp)\npopq %rax\nret\n"
     ".popsection");
 #endif
-
-// 16 bytes: what the processor has is the compare-and-swap alone.
-__extension__ using u128 = unsigned __int128;
-
-namespace {
-u128 compare_and_swap(volatile u128* p, u128 expected, u128 desired) {
-  return __sync_val_compare_and_swap(p, expected, desired);
-}
-}  // namespace
-
-IRT_HOOK int __tsan_atomic128_compare_exchange_strong(volatile u128* p, u128* expected,
-                                                      u128 desired, int, int) {
-  const u128 seen = compare_and_swap(p, *expected, desired);
-  ++counts.events.compare_exchanges;
-  if (seen == *expected) return 1;
-  ++counts.events.failed_compare_exchanges;
-  *expected = seen;
-  return 0;
-}
-IRT_HOOK int __tsan_atomic128_compare_exchange_weak(volatile u128* p, u128* expected, u128 desired,
-                                                    int success, int failure) {
-  return __tsan_atomic128_compare_exchange_strong(p, expected, desired, success, failure);
-}
-IRT_HOOK u128 __tsan_atomic128_compare_exchange_val(volatile u128* p, u128 expected, u128 desired,
-                                                    int success, int failure) {
-  __tsan_atomic128_compare_exchange_strong(p, &expected, desired, success, failure);
-  return expected;
-}
-IRT_HOOK u128 __tsan_atomic128_load(const volatile u128* p, int) {
-  ++counts.events.loads;
-  return compare_and_swap(const_cast<volatile u128*>(p), 0, 0);  // NOLINT: never changes a value
-}
-IRT_HOOK u128 __tsan_atomic128_exchange(volatile u128* p, u128 value, int) {
-  ++counts.events.other_modifications;
-  u128 seen = *p;  // a guess that the loop confirms
-  for (u128 found = 0; (found = compare_and_swap(p, seen, value)) != seen;) seen = found;
-  return seen;
-}
-IRT_HOOK void __tsan_atomic128_store(volatile u128* p, u128 value, int order) {
-  __tsan_atomic128_exchange(p, value, order);
-  --counts.events.other_modifications;
-  ++counts.events.stores;
-}
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

@@ -15,6 +15,8 @@
 #include <sys/mman.h>
 
 #include "stress/threads/sanitizer.hpp"
+#include "stress/virtual_cores/modification.hpp"
+#include "stress/virtual_cores/sanitizer_abi.hpp"
 
 namespace {
 /// In memory that parent and children share: a child that ThreadSanitizer ends can say no more.
@@ -45,7 +47,7 @@ bool strong = false;  // set before threads exist
 enum Order : int { relaxed = 0, acquire = 2, release = 3, acq_rel = 4, seq_cst = 5 };  // the ABI's
 
 int stronger(int order, int least) {
-  return strong && order != seq_cst ? least : order;
+  return strong && irt::sanitizer::order_of(order) != seq_cst ? least : order;
 }
 }  // namespace
 
@@ -59,59 +61,56 @@ void irt::stress::strengthen_atomics() {
 // As tail calls, so that a report names who made the access.
 #define IRT_UNWATCHED __attribute__((no_sanitize("thread"), optimize("optimize-sibling-calls")))
 
+/// The names are builtins to the compiler, hence the others.
+#define IRT_FUNCTION(SIGNATURE, bits, name)                         \
+  extern "C" SIGNATURE(bits, irt_tsan_##name) asm("__tsan_" #name); \
+  IRT_UNWATCHED SIGNATURE(bits, irt_tsan_##name)
+
 /// The library's own function `name`, as `real`.
-#define IRT_REAL(name)                                                \
-  static decltype(&irt_##name) found = nullptr;                       \
-  auto real = __atomic_load_n(&found, __ATOMIC_RELAXED);              \
-  if (real == nullptr) {                                              \
-    real = reinterpret_cast<decltype(real)>(dlsym(RTLD_NEXT, #name)); \
-    __atomic_store_n(&found, real, __ATOMIC_RELAXED);                 \
+#define IRT_REAL(name)                                                          \
+  static decltype(&irt_tsan_##name) found = nullptr;                            \
+  auto real = __atomic_load_n(&found, __ATOMIC_RELAXED);                        \
+  if (real == nullptr) {                                                        \
+    real = reinterpret_cast<decltype(real)>(dlsym(RTLD_NEXT, "__tsan_" #name)); \
+    __atomic_store_n(&found, real, __ATOMIC_RELAXED);                           \
   }
 
-// The names are builtins to the compiler, hence the others.
-#define IRT_DECLARE(result, name, ...)                  \
-  extern "C" result irt_##name(__VA_ARGS__) asm(#name); \
-  IRT_UNWATCHED result irt_##name(__VA_ARGS__)
-
-#define IRT_EXCHANGE(bits, T, op)                                                  \
-  IRT_DECLARE(T, __tsan_atomic##bits##_##op, volatile T* at, T value, int order) { \
-    IRT_REAL(__tsan_atomic##bits##_##op)                                           \
-    return real(at, value, stronger(order, acq_rel));                              \
+#define IRT_LOAD(bits, name)                       \
+  IRT_FUNCTION(IRT_SANITIZER_LOAD, bits, name) {   \
+    IRT_REAL(name)                                 \
+    return real(object, stronger(order, acquire)); \
   }
-
-#define IRT_COMPARE(bits, T, op)                                                                \
-  IRT_DECLARE(int, __tsan_atomic##bits##_##op, volatile T* at, T* expected, T value, int order, \
-              int failure) {                                                                    \
-    IRT_REAL(__tsan_atomic##bits##_##op)                                                        \
-    return real(at, expected, value, stronger(order, acq_rel), stronger(failure, acquire));     \
+#define IRT_STORE(bits, name)                        \
+  IRT_FUNCTION(IRT_SANITIZER_STORE, bits, name) {    \
+    IRT_REAL(name)                                   \
+    real(object, desired, stronger(order, release)); \
   }
-
-#define IRT_ATOMICS(bits, T)                                                           \
-  IRT_DECLARE(T, __tsan_atomic##bits##_load, const volatile T* at, int order) {        \
-    IRT_REAL(__tsan_atomic##bits##_load)                                               \
-    return real(at, stronger(order, acquire));                                         \
-  }                                                                                    \
-  IRT_DECLARE(void, __tsan_atomic##bits##_store, volatile T* at, T value, int order) { \
-    IRT_REAL(__tsan_atomic##bits##_store)                                              \
-    real(at, value, stronger(order, release));                                         \
-  }                                                                                    \
-  IRT_EXCHANGE(bits, T, exchange)                                                      \
-  IRT_EXCHANGE(bits, T, fetch_add)                                                     \
-  IRT_EXCHANGE(bits, T, fetch_sub)                                                     \
-  IRT_EXCHANGE(bits, T, fetch_and)                                                     \
-  IRT_EXCHANGE(bits, T, fetch_or)                                                      \
-  IRT_EXCHANGE(bits, T, fetch_xor)                                                     \
-  IRT_COMPARE(bits, T, compare_exchange_strong)                                        \
-  IRT_COMPARE(bits, T, compare_exchange_weak)
-
-IRT_ATOMICS(8, char)
-IRT_ATOMICS(16, short)
-IRT_ATOMICS(32, int)
-IRT_ATOMICS(64, long)
+#define IRT_MODIFY(bits, name, modification)                \
+  IRT_FUNCTION(IRT_SANITIZER_MODIFY, bits, name) {          \
+    IRT_REAL(name)                                          \
+    return real(object, operand, stronger(order, acq_rel)); \
+  }
+#define IRT_COMPARE(bits, name, weak)                                  \
+  IRT_FUNCTION(IRT_SANITIZER_COMPARE, bits, name) {                    \
+    IRT_REAL(name)                                                     \
+    return real(object, expected, desired, stronger(success, acq_rel), \
+                stronger(failure, acquire));                           \
+  }
+#define IRT_COMPARE_VALUE(bits, name)                                  \
+  IRT_FUNCTION(IRT_SANITIZER_COMPARE_VALUE, bits, name) {              \
+    IRT_REAL(name)                                                     \
+    return real(object, expected, desired, stronger(success, acq_rel), \
+                stronger(failure, acquire));                           \
+  }
+IRT_SANITIZER_ATOMICS_OF(8, IRT_LOAD, IRT_STORE, IRT_MODIFY, IRT_COMPARE, IRT_COMPARE_VALUE)
+IRT_SANITIZER_ATOMICS_OF(16, IRT_LOAD, IRT_STORE, IRT_MODIFY, IRT_COMPARE, IRT_COMPARE_VALUE)
+IRT_SANITIZER_ATOMICS_OF(32, IRT_LOAD, IRT_STORE, IRT_MODIFY, IRT_COMPARE, IRT_COMPARE_VALUE)
+IRT_SANITIZER_ATOMICS_OF(64, IRT_LOAD, IRT_STORE, IRT_MODIFY, IRT_COMPARE, IRT_COMPARE_VALUE)
 
 // The counter is touched without instrumentation, so that it orders nothing in TSan's eyes.
-IRT_DECLARE(void, __tsan_atomic_thread_fence, int order) {
-  IRT_REAL(__tsan_atomic_thread_fence)
+extern "C" void irt_tsan_atomic_thread_fence(int order) asm("__tsan_atomic_thread_fence");
+IRT_UNWATCHED void irt_tsan_atomic_thread_fence(int order) {
+  IRT_REAL(atomic_thread_fence)
   if (fences != nullptr) __atomic_fetch_add(fences, 1, __ATOMIC_RELAXED);
   real(order);
 }
@@ -122,75 +121,75 @@ extern "C" void __tsan_acquire(void* at);
 extern "C" void __tsan_release(void* at);
 
 namespace {
-__extension__ using Wide = __int128;
+using Wide = irt::sanitizer::Word128;
+using Half = irt::sanitizer::Word64;
+using irt::virtual_cores::Modification;
 
 /// Whether `at` was `*expected` and is `value` now; if not, `*expected` is what it was. Always
 /// acquires and releases. Nothing here is a tail call, so a report has a frame more.
 IRT_UNWATCHED bool swap(volatile Wide* at, Wide* expected, Wide value, bool writes) {
-  auto* halves = reinterpret_cast<volatile long*>(const_cast<Wide*>(at));
+  auto* halves = reinterpret_cast<volatile Half*>(const_cast<Wide*>(at));
   const auto each_half = [&](auto what) IRT_UNWATCHED {
     what(halves);
     what(halves + 1);
   };
-  const auto acquires = [](volatile long* half)
-                            IRT_UNWATCHED { __tsan_acquire(const_cast<long*>(half)); };
+  const auto acquires = [](volatile Half* half)
+                            IRT_UNWATCHED { __tsan_acquire(const_cast<Half*>(half)); };
   each_half(acquires);
   // So that a plain access of another thread is a race.
-  each_half([&](volatile long* half) IRT_UNWATCHED {
+  each_half([&](volatile Half* half) IRT_UNWATCHED {
     if (writes)
-      irt___tsan_atomic64_fetch_add(half, 0, relaxed);
+      irt_tsan_atomic64_fetch_add(half, 0, relaxed);
     else
-      irt___tsan_atomic64_load(half, relaxed);
+      irt_tsan_atomic64_load(half, relaxed);
   });
-  each_half([](volatile long* half) IRT_UNWATCHED { __tsan_release(const_cast<long*>(half)); });
-  auto low = static_cast<std::uint64_t>(*expected);
-  auto high = static_cast<std::uint64_t>(*expected >> 64);
+  each_half([](volatile Half* half) IRT_UNWATCHED { __tsan_release(const_cast<Half*>(half)); });
+  auto low = static_cast<Half>(*expected);
+  auto high = static_cast<Half>(*expected >> 64);
   bool swapped = false;
   asm volatile("lock cmpxchg16b %1"
                : "=@ccz"(swapped), "+m"(*at), "+a"(low), "+d"(high)
-               : "b"(static_cast<std::uint64_t>(value)),
-                 "c"(static_cast<std::uint64_t>(value >> 64))
+               : "b"(static_cast<Half>(value)), "c"(static_cast<Half>(value >> 64))
                : "memory");
   each_half(acquires);
   if (!swapped) *expected = static_cast<Wide>(high) << 64 | low;
   return swapped;
 }
 
-template <class Operation>
-IRT_UNWATCHED Wide change(volatile Wide* at, Operation operation) {
+IRT_UNWATCHED Wide change(volatile Wide* at, Modification modification, Wide operand) {
   Wide seen = 0;
-  while (!swap(at, &seen, operation(seen), true)) {
+  while (
+      !swap(at, &seen, irt::virtual_cores::apply(modification, seen, operand, sizeof seen), true)) {
   }
   return seen;
 }
 }  // namespace
 
-#define IRT_WIDE(op, result)                                                                 \
-  IRT_DECLARE(Wide, __tsan_atomic128_##op, volatile Wide* at, Wide value, int /*order*/) {   \
-    return change(at, [value]([[maybe_unused]] Wide seen) IRT_UNWATCHED { return result; }); \
+#define IRT_WIDE_LOAD(bits, name)                              \
+  IRT_FUNCTION(IRT_SANITIZER_LOAD, bits, name) {               \
+    Wide seen = 0;                                             \
+    swap(const_cast<volatile Wide*>(object), &seen, 0, false); \
+    return seen;                                               \
   }
-#define IRT_WIDE_COMPARE(op)                                                             \
-  IRT_DECLARE(int, __tsan_atomic128_##op, volatile Wide* at, Wide* expected, Wide value, \
-              int /*order*/, int /*failure*/) {                                          \
-    return swap(at, expected, value, true) ? 1 : 0;                                      \
+#define IRT_WIDE_STORE(bits, name)                   \
+  IRT_FUNCTION(IRT_SANITIZER_STORE, bits, name) {    \
+    change(object, Modification::exchange, desired); \
   }
-
-IRT_WIDE(exchange, value)
-IRT_WIDE(fetch_add, seen + value)
-IRT_WIDE(fetch_sub, seen - value)
-IRT_WIDE(fetch_and, seen& value)
-IRT_WIDE(fetch_or, seen | value)
-IRT_WIDE(fetch_xor, seen ^ value)
-IRT_WIDE_COMPARE(compare_exchange_strong)
-IRT_WIDE_COMPARE(compare_exchange_weak)
-IRT_DECLARE(Wide, __tsan_atomic128_load, const volatile Wide* at, int /*order*/) {
-  Wide seen = 0;
-  swap(const_cast<volatile Wide*>(at), &seen, 0, false);
-  return seen;
-}
-IRT_DECLARE(void, __tsan_atomic128_store, volatile Wide* at, Wide value, int /*order*/) {
-  change(at, [value](Wide) IRT_UNWATCHED { return value; });
-}
+#define IRT_WIDE_MODIFY(bits, name, modification)               \
+  IRT_FUNCTION(IRT_SANITIZER_MODIFY, bits, name) {              \
+    return change(object, Modification::modification, operand); \
+  }
+#define IRT_WIDE_COMPARE(bits, name, weak)                \
+  IRT_FUNCTION(IRT_SANITIZER_COMPARE, bits, name) {       \
+    return swap(object, expected, desired, true) ? 1 : 0; \
+  }
+#define IRT_WIDE_COMPARE_VALUE(bits, name)                \
+  IRT_FUNCTION(IRT_SANITIZER_COMPARE_VALUE, bits, name) { \
+    swap(object, &expected, desired, true);               \
+    return expected;                                      \
+  }
+IRT_SANITIZER_ATOMICS_OF(128, IRT_WIDE_LOAD, IRT_WIDE_STORE, IRT_WIDE_MODIFY, IRT_WIDE_COMPARE,
+                         IRT_WIDE_COMPARE_VALUE)
 
 #endif
 // NOLINTEND(bugprone-reserved-identifier, bugprone-macro-parentheses,

@@ -48,7 +48,7 @@ void store(std::uint32_t& word, std::uint32_t value, const void* pc) {
 }
 std::uint32_t add(std::uint32_t& word, std::uint32_t value, const void* pc) {
   return static_cast<std::uint32_t>(
-      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Modification::add, value));
+      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Modification::fetch_add, value));
 }
 bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired, const void* pc) {
   Value seen = expected;

@@ -1,10 +1,12 @@
-// The entry points that `-fsanitize=thread` compiles accesses to memory into. Their names and
-// signatures are the compilers' (GCC: sanitizer.def, Clang: ThreadSanitizer.cpp).
+// The entry points that `-fsanitize=thread` compiles accesses to memory into (sanitizer_abi.hpp).
 //
 // Atomic operations come in through a few instructions of assembly that note the callee-saved
 // registers as the code had them; a tenant needs these to know a loop that has not moved.
 
+#include <type_traits>
+
 #include "stress/virtual_cores/internal.hpp"
+#include "stress/virtual_cores/sanitizer_abi.hpp"
 
 using irt::virtual_cores::Access;
 using irt::virtual_cores::active;
@@ -35,15 +37,8 @@ void forget_registers() {
 
 namespace {
 
-using u8 = std::uint8_t;
-using u16 = std::uint16_t;
-using u32 = std::uint32_t;
-using u64 = std::uint64_t;
-using u128 = Value;
-
-// Compilers may add flags above the order itself.
 Order order_of(int order) {
-  return static_cast<Order>(order & 7);
+  return static_cast<Order>(irt::sanitizer::order_of(order));
 }
 
 template <class T>
@@ -65,45 +60,25 @@ bool is_local(const volatile void* object) {
 #define IRT_HOOK extern "C" __attribute__((visibility("default"))) void
 #define IRT_BODY extern "C" __attribute__((visibility("hidden"), used))
 
-// Plain accesses of every size, aligned or not, volatile or not.
-#define IRT_PLAIN(prefix, size)                    \
-  IRT_HOOK __tsan_##prefix##read##size(void* p) {  \
-    announce_read(p, size, IRT_PC);                \
-  }                                                \
-  IRT_HOOK __tsan_##prefix##write##size(void* p) { \
-    announce_write(p, size, IRT_PC);               \
+#define IRT_PLAIN(name, kind, bytes)        \
+  IRT_HOOK __tsan_##name(void* object) {    \
+    announce_##kind(object, bytes, IRT_PC); \
   }
-#define IRT_PLAIN_ALL(prefix) \
-  IRT_PLAIN(prefix, 1)        \
-  IRT_PLAIN(prefix, 2)        \
-  IRT_PLAIN(prefix, 4)        \
-  IRT_PLAIN(prefix, 8)        \
-  IRT_PLAIN(prefix, 16)
-IRT_PLAIN_ALL()
-IRT_PLAIN_ALL(unaligned_)
-IRT_PLAIN_ALL(volatile_)
-IRT_PLAIN_ALL(unaligned_volatile_)
+IRT_SANITIZER_PLAIN(IRT_PLAIN)
 
-IRT_HOOK __tsan_read_range(void* p, std::size_t size) {
-  announce_read(p, size, IRT_PC);
+IRT_HOOK __tsan_read_range(void* object, std::size_t bytes) {
+  announce_read(object, bytes, IRT_PC);
 }
-IRT_HOOK __tsan_write_range(void* p, std::size_t size) {
-  announce_write(p, size, IRT_PC);
+IRT_HOOK __tsan_write_range(void* object, std::size_t bytes) {
+  announce_write(object, bytes, IRT_PC);
 }
-IRT_HOOK __tsan_vptr_read(void** p) {
-  announce_read(p, sizeof *p, IRT_PC);
+IRT_HOOK __tsan_vptr_read(void** object) {
+  announce_read(object, sizeof *object, IRT_PC);
 }
-IRT_HOOK __tsan_vptr_update(void** p, void* value) {
+IRT_HOOK __tsan_vptr_update(void** object, void* value) {
   // Constructors and destructors of bases rewrite the same pointer; only a change is a write.
-  if (*p != value) announce_write(p, sizeof *p, IRT_PC);
+  if (*object != value) announce_write(object, sizeof *object, IRT_PC);
 }
-// Clang from 16 on calls these instead of the C library's functions.
-extern "C" void* irt_vc_memcpy(void* to, const void* from, std::size_t size);
-extern "C" void* irt_vc_memmove(void* to, const void* from, std::size_t size);
-extern "C" void* irt_vc_memset(void* to, int byte, std::size_t size);
-asm(".globl __tsan_memcpy, __tsan_memmove, __tsan_memset\n"
-    ".set __tsan_memcpy, irt_vc_memcpy\n.set __tsan_memmove, irt_vc_memmove\n"
-    ".set __tsan_memset, irt_vc_memset");
 IRT_HOOK __tsan_func_entry(void* call_site) {
   active->enter_function(call_site);
 }
@@ -118,6 +93,18 @@ IRT_HOOK __tsan_atomic_thread_fence(int order) {
 }
 IRT_HOOK __tsan_atomic_signal_fence(int) {}
 
+// None is missing, and none has another signature.
+#define IRT_DEFINED(name, ...) \
+  static_assert(std::is_same_v<decltype(__tsan_##name), void __VA_ARGS__>);
+#define IRT_FENCE_DEFINED(name) IRT_DEFINED(name, (int))
+IRT_SANITIZER_OTHER(IRT_DEFINED)
+IRT_SANITIZER_FENCES(IRT_FENCE_DEFINED)
+
+#define IRT_BLOCK(name, second)                               \
+  extern "C" void* irt_vc_##name(void*, second, std::size_t); \
+  asm(".globl __tsan_" #name "\n.set __tsan_" #name ", irt_vc_" #name);
+IRT_SANITIZER_BLOCKS(IRT_BLOCK)
+
 // The way in: notes the registers, then goes on to irt_vc_NAME with the arguments untouched.
 #define IRT_ENTRY(name)                                                              \
   asm(".pushsection .text\n.globl __tsan_" #name "\n.type __tsan_" #name             \
@@ -128,58 +115,42 @@ IRT_HOOK __tsan_atomic_signal_fence(int) {}
       "movq %r14, irt_vc_registers+32(%rip)\nmovq %r15, irt_vc_registers+40(%rip)\n" \
       "movq %rsp, irt_vc_registers+48(%rip)\njmp irt_vc_" #name "\n.popsection");
 
-#define IRT_MODIFY(bits, name, operation)                                                          \
-  IRT_BODY u##bits irt_vc_atomic##bits##_##name(volatile u##bits* p, u##bits operand, int order) { \
-    return static_cast<u##bits>(                                                                   \
-        active->modify(access_to(p, order, IRT_PC), Modification::operation, operand));            \
-  }                                                                                                \
-  IRT_ENTRY(atomic##bits##_##name)
-
-#define IRT_COMPARE_EXCHANGE(bits, name, weak)                                                 \
-  IRT_BODY int irt_vc_atomic##bits##_compare_exchange_##name(                                  \
-      volatile u##bits* p, u##bits* expected, u##bits desired, int success, int failure) {     \
-    const bool shared = !is_local(expected);                                                   \
-    if (shared) announce_read(expected, sizeof *expected, IRT_PC);                             \
-    Value seen = *expected;                                                                    \
-    if (active->compare_exchange(access_to(p, success, IRT_PC), order_of(failure), weak, seen, \
-                                 desired))                                                     \
-      return 1;                                                                                \
-    if (shared) announce_write(expected, sizeof *expected, IRT_PC);                            \
-    *expected = static_cast<u##bits>(seen);                                                    \
-    return 0;                                                                                  \
-  }                                                                                            \
-  IRT_ENTRY(atomic##bits##_compare_exchange_##name)
-
-#define IRT_ATOMIC(bits)                                                                     \
-  IRT_BODY u##bits irt_vc_atomic##bits##_load(const volatile u##bits* p, int order) {        \
-    return static_cast<u##bits>(active->load(access_to(p, order, IRT_PC)));                  \
-  }                                                                                          \
-  IRT_ENTRY(atomic##bits##_load)                                                             \
-  IRT_BODY void irt_vc_atomic##bits##_store(volatile u##bits* p, u##bits value, int order) { \
-    active->store(access_to(p, order, IRT_PC), value);                                       \
-  }                                                                                          \
-  IRT_ENTRY(atomic##bits##_store)                                                            \
-  IRT_MODIFY(bits, exchange, exchange)                                                       \
-  IRT_MODIFY(bits, fetch_add, add)                                                           \
-  IRT_MODIFY(bits, fetch_sub, sub)                                                           \
-  IRT_MODIFY(bits, fetch_and, bit_and)                                                       \
-  IRT_MODIFY(bits, fetch_or, bit_or)                                                         \
-  IRT_MODIFY(bits, fetch_xor, bit_xor)                                                       \
-  IRT_MODIFY(bits, fetch_nand, bit_nand)                                                     \
-  IRT_COMPARE_EXCHANGE(bits, strong, false)                                                  \
-  IRT_COMPARE_EXCHANGE(bits, weak, true)                                                     \
-  IRT_BODY u##bits irt_vc_atomic##bits##_compare_exchange_val(                               \
-      volatile u##bits* p, u##bits expected, u##bits desired, int success, int failure) {    \
-    Value seen = expected;                                                                   \
-    active->compare_exchange(access_to(p, success, IRT_PC), order_of(failure), false, seen,  \
-                             desired);                                                       \
-    return static_cast<u##bits>(seen);                                                       \
-  }                                                                                          \
-  IRT_ENTRY(atomic##bits##_compare_exchange_val)
-
-IRT_ATOMIC(8)
-IRT_ATOMIC(16)
-IRT_ATOMIC(32)
-IRT_ATOMIC(64)
-IRT_ATOMIC(128)
+#define IRT_LOAD(bits, name)                                                                      \
+  IRT_ENTRY(name)                                                                                 \
+  IRT_BODY IRT_SANITIZER_LOAD(bits, irt_vc_##name) {                                              \
+    return static_cast<IRT_SANITIZER_WORD(bits)>(active->load(access_to(object, order, IRT_PC))); \
+  }
+#define IRT_STORE(bits, name)                                 \
+  IRT_ENTRY(name)                                             \
+  IRT_BODY IRT_SANITIZER_STORE(bits, irt_vc_##name) {         \
+    active->store(access_to(object, order, IRT_PC), desired); \
+  }
+#define IRT_MODIFY(bits, name, modification)                                                    \
+  IRT_ENTRY(name)                                                                               \
+  IRT_BODY IRT_SANITIZER_MODIFY(bits, irt_vc_##name) {                                          \
+    return static_cast<IRT_SANITIZER_WORD(bits)>(                                               \
+        active->modify(access_to(object, order, IRT_PC), Modification::modification, operand)); \
+  }
+#define IRT_COMPARE(bits, name, weak)                                                         \
+  IRT_ENTRY(name)                                                                             \
+  IRT_BODY IRT_SANITIZER_COMPARE(bits, irt_vc_##name) {                                       \
+    const bool shared = !is_local(expected);                                                  \
+    if (shared) announce_read(expected, sizeof *expected, IRT_PC);                            \
+    Value seen = *expected;                                                                   \
+    if (active->compare_exchange(access_to(object, success, IRT_PC), order_of(failure), weak, \
+                                 seen, desired))                                              \
+      return 1;                                                                               \
+    if (shared) announce_write(expected, sizeof *expected, IRT_PC);                           \
+    *expected = static_cast<IRT_SANITIZER_WORD(bits)>(seen);                                  \
+    return 0;                                                                                 \
+  }
+#define IRT_COMPARE_VALUE(bits, name)                                                            \
+  IRT_ENTRY(name)                                                                                \
+  IRT_BODY IRT_SANITIZER_COMPARE_VALUE(bits, irt_vc_##name) {                                    \
+    Value seen = expected;                                                                       \
+    active->compare_exchange(access_to(object, success, IRT_PC), order_of(failure), false, seen, \
+                             desired);                                                           \
+    return static_cast<IRT_SANITIZER_WORD(bits)>(seen);                                          \
+  }
+IRT_SANITIZER_ATOMICS(IRT_LOAD, IRT_STORE, IRT_MODIFY, IRT_COMPARE, IRT_COMPARE_VALUE)
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)

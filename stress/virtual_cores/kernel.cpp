@@ -104,7 +104,8 @@ void unmap(Range bytes, const void* pc) {
   const std::size_t size = bytes.end - bytes.begin;
   if (size != mapping.end - mapping.begin) {
     forget_registers();
-    if (active->modify({block, 8, Order::acq_rel, pc}, Modification::sub, size) != size) return;
+    if (active->modify({block, 8, Order::acq_rel, pc}, Modification::fetch_sub, size) != size)
+      return;
   }
   active->release(reinterpret_cast<void*>(block), pc);
 }

@@ -76,9 +76,9 @@ void Tenant::store(const Access& access, Value value) {
   write_memory(access.address, access.size, value);
 }
 
-Value Tenant::modify(const Access& access, Modification operation, Value operand) {
+Value Tenant::modify(const Access& access, Modification modification, Value operand) {
   const Value before = read_memory(access.address, access.size);
-  write_memory(access.address, access.size, apply(operation, before, operand, access.size));
+  write_memory(access.address, access.size, apply(modification, before, operand, access.size));
   return before;
 }
 

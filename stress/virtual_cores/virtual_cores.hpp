@@ -26,10 +26,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "stress/virtual_cores/modification.hpp"
 
 namespace irt::virtual_cores {
 
@@ -44,32 +45,6 @@ constexpr bool acquires(Order order) {
 }
 constexpr bool releases(Order order) {
   return order >= Order::release;
-}
-
-/// What a read-modify-write computes.
-enum class Modification : std::uint8_t { exchange, add, sub, bit_and, bit_or, bit_xor, bit_nand };
-
-/// The result of `operation` on `size` bytes; `Word` is unsigned and has as many at least.
-template <class Word>
-Word apply(Modification operation, Word old_value, Word operand, std::size_t size) {
-  const Word mask = size == sizeof(Word) ? ~Word{0} : (Word{1} << (8 * size)) - 1;
-  switch (operation) {
-    case Modification::exchange:
-      return operand & mask;
-    case Modification::add:
-      return (old_value + operand) & mask;
-    case Modification::sub:
-      return (old_value - operand) & mask;
-    case Modification::bit_and:
-      return old_value & operand;
-    case Modification::bit_or:
-      return old_value | operand;
-    case Modification::bit_xor:
-      return old_value ^ operand;
-    case Modification::bit_nand:
-      return ~(old_value & operand) & mask;
-  }
-  std::abort();
 }
 
 /// `size` bytes of real memory as a value, and back.
@@ -110,7 +85,7 @@ class Tenant {
   virtual Value load(const Access& access);
   virtual void store(const Access& access, Value value);
   /// Returns the value read.
-  virtual Value modify(const Access& access, Modification operation, Value operand);
+  virtual Value modify(const Access& access, Modification modification, Value operand);
   /// Returns whether `desired` was stored; `expected` becomes the value read. `access.order` is
   /// the order of success.
   virtual bool compare_exchange(const Access& access, Order failure, bool weak, Value& expected,
