@@ -64,7 +64,7 @@ class Columns {
     symbols_.look_up(pcs);
     std::map<std::string, unsigned> lines;
     for (EventId id = 0; id < graph_.size(); ++id)
-      if (const Line& source = symbols_.at(graph_.event(id).pc); source.number != 0)
+      if (const symbols::Line& source = symbols_.at(graph_.event(id).pc); source.number != 0)
         if (++lines[source.file] > lines[file_]) file_ = source.file;
   }
 
@@ -92,7 +92,7 @@ class Columns {
 
   // A line of the file that most are of by its number, of others with their names.
   [[nodiscard]] std::string place_of(const void* pc) const {
-    const Line& source = symbols_.at(pc);
+    const symbols::Line& source = symbols_.at(pc);
     if (source.number == 0) return "";
     return source.file == file_ ? fmt::format("{} ", source.number) : symbols_.name(pc) + " ";
   }

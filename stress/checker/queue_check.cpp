@@ -47,8 +47,8 @@ bool is_atomic(const std::string& instruction) {
 }
 
 /// What the module does without telling, found once for each.
-const UnseenInstructions& unseen_instructions_of(virtual_cores::Module& module) {
-  static std::map<std::pair<std::string, std::uintptr_t>, UnseenInstructions> known;
+const symbols::UnseenInstructions& unseen_instructions_of(virtual_cores::Module& module) {
+  static std::map<std::pair<std::string, std::uintptr_t>, symbols::UnseenInstructions> known;
   const auto [found, fresh] = known.try_emplace({module.file(), module.load_offset()});
   if (fresh) found->second = Symbols(module).unseen_instructions();
   return found->second;
@@ -68,7 +68,7 @@ class QueueCheck {
 
   QueueResult run() {
     all_.unseen = module_.unseen_calls();
-    const UnseenInstructions& unseen = unseen_instructions_of(module_);
+    const symbols::UnseenInstructions& unseen = unseen_instructions_of(module_);
     if (settings_.reports) all_.unseen_instructions = unseen.places;
     if (!all_.unseen.empty())
       all_.unproved = "it calls compiled code";

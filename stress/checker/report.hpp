@@ -6,9 +6,11 @@
 
 #include "stress/checker/checker.hpp"
 #include "stress/checker/queue_calls.hpp"
-#include "stress/checker/symbols.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
+
+using symbols::Symbols;
 
 /// The finding's sentence with its places as file:line.
 std::string sentence(const Finding& finding, Symbols& symbols);

@@ -5,9 +5,11 @@
 #include <string>
 
 #include "stress/checker/execution.hpp"
-#include "stress/checker/symbols.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
+
+using symbols::Symbols;
 
 /// "acquire".
 std::string_view name_of(Order order);

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "stress/checker/symbols.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::many_core {
 
@@ -25,7 +25,7 @@ Heap::Block block_of(const Line& line, const Heap& heap) {
 }
 
 std::string describe(const Line& line, const Machine& machine, const virtual_cores::Module& module,
-                     checker::Symbols& symbols) {
+                     symbols::Symbols& symbols) {
   const std::uintptr_t address = line.number * line_bytes;
   if (const Heap::Block block = block_of(line, machine.heap()); block.begin != 0) {
     const std::intptr_t offset =
@@ -46,7 +46,7 @@ std::vector<Site> worst_sites(const Line& line) {
   return sites;
 }
 
-nlohmann::json describe(const Site& site, Time all, checker::Symbols& symbols) {
+nlohmann::json describe(const Site& site, Time all, symbols::Symbols& symbols) {
   return {{"place", symbols.name(site.pc)},
           {"source", symbols.at(site.pc).text},
           {"requests", site.requests},
@@ -73,7 +73,7 @@ nlohmann::json hot_lines(const Machine& machine, const virtual_cores::Module& mo
     pcs.push_back(block_of(*line, machine.heap()).allocated_at);
     for (const Site& site : worst_sites(*line)) pcs.push_back(site.pc);
   }
-  checker::Symbols symbols(module);
+  symbols::Symbols symbols(module);
   symbols.look_up(pcs);
 
   nlohmann::json result = nlohmann::json::array();

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "stress/checker/checker.hpp"
-#include "stress/checker/symbols.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace checker = irt::checker;
 
@@ -128,7 +128,8 @@ TEST_F(Findings, as_many_allocations_fail_as_may) {
 }
 
 TEST_F(Findings, what_no_hook_announces_is_named) {
-  const std::vector<std::string> unseen = checker::Symbols(module_).unseen_instructions().places;
+  const std::vector<std::string> unseen =
+      irt::symbols::Symbols(module_).unseen_instructions().places;
   ASSERT_EQ(unseen.size(), 1U);
   EXPECT_TRUE(unseen[0].starts_with("lock addl at findings_probe.cpp:")) << unseen[0];
 }

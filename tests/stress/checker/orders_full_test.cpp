@@ -4,8 +4,8 @@
 #include <map>
 
 #include "stress/checker/queue_client.hpp"
-#include "stress/checker/symbols.hpp"
 #include "stress/virtual_cores/queue_modules.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
 namespace {
@@ -26,7 +26,7 @@ TEST(Orders, lcrq_goes_on_in_the_next_ring_behind_what_linked_it) {
   Symbols symbols(module);
   std::map<unsigned, std::vector<OrderSite>> looks;
   for (const OrderSite& site : seen.order_sites) {
-    const Line& line = symbols.at(site.pc);
+    const symbols::Line& line = symbols.at(site.pc);
     if (site.kind == EventKind::load && line.text.find("ring->next.load") != std::string::npos)
       looks[line.number].push_back(site);
   }

@@ -59,7 +59,7 @@ class Report : public testing::Test {
                                  const checker::Schedule& schedule) {
     const auto execution = repeat(checked, {}, schedule);
     if (execution == nullptr) return "it does not come out again";
-    checker::Symbols symbols(module_);
+    irt::symbols::Symbols symbols(module_);
     return sentence(*execution->finding(), symbols) + "\n" + columns(*execution, {}, symbols) +
            standings(*execution, symbols);
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace irt::checker {
+namespace irt::symbols {
 
 struct Unannounced {
   std::uint64_t address = 0;  ///< of the instruction, in the file
@@ -25,4 +25,4 @@ struct Unannounced {
 std::vector<Unannounced> unannounced(const std::vector<std::string>& disassembly,
                                      const std::vector<std::string>& sections);
 
-}  // namespace irt::checker
+}  // namespace irt::symbols

@@ -1,4 +1,4 @@
-#include "stress/checker/symbols.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <memory>
 #include <set>
 
-#include "stress/checker/unannounced.hpp"
+#include "stress/virtual_cores/symbols/unannounced.hpp"
 
-namespace irt::checker {
+namespace irt::symbols {
 
 namespace {
 
@@ -43,8 +43,7 @@ bool escapes_hooks(std::string_view instruction) {
       std::string_view("syscall")};
   const bool exchanges =
       instruction.starts_with("xchg") && instruction.find('(') != std::string_view::npos;
-  return exchanges ||
-         std::any_of(always.begin(), always.end(), [instruction](std::string_view name) {
+  return exchanges || std::ranges::any_of(always, [instruction](std::string_view name) {
            return instruction.starts_with(name);
          });
 }
@@ -167,4 +166,4 @@ std::string Symbols::name(const void* pc) {
   return fmt::format("{}:{}", line.file.substr(line.file.rfind('/') + 1), line.number);
 }
 
-}  // namespace irt::checker
+}  // namespace irt::symbols

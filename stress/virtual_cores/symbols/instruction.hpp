@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace irt::checker {
+namespace irt::symbols {
 
 /// Numbers of the general registers, of any width.
 enum Register : std::uint8_t { rax, rcx, rdx, rbx, rsp, rbp, rsi, rdi, r8 };
@@ -57,11 +57,17 @@ std::optional<Instruction> parse_instruction(const std::string& line);
 /// No use of it: `lea`, `nop`, prefetches, pushes and pops.
 std::vector<MemoryUse> memory_uses(const Instruction& instruction);
 
-/// Whether a call of `target` announces a plain access to the sanitizer.
+/// Whether a call of `target` is the sanitizer's, and no atomic operation.
 bool is_hook(const std::string& target);
-/// How many bytes a hook announces; -1: rsi says it, 0: none.
-std::int64_t hooked_bytes(const std::string& target);
+
+/// A plain access that a hook announces.
+struct Announcement {
+  std::int64_t bytes;  ///< -1: rsi says it
+  bool writes;
+};
+std::optional<Announcement> announcement_of(const std::string& target);
+
 /// Whether a call stands for one instruction (prelude.hpp), across which compilers move accesses.
 bool stands_for_instruction(const std::string& target);
 
-}  // namespace irt::checker
+}  // namespace irt::symbols

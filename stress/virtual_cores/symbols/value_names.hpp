@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-namespace irt::checker {
+namespace irt::symbols {
 
 /// A value by name: a root, which is something unknown, and a distance from it.
 struct NamedValue {
@@ -51,4 +51,4 @@ class ValueNames {
   std::uint32_t next_ = argument_root + 1;
 };
 
-}  // namespace irt::checker
+}  // namespace irt::symbols

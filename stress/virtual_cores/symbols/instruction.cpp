@@ -1,10 +1,12 @@
-#include "stress/checker/instruction.hpp"
+#include "stress/virtual_cores/symbols/instruction.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <tuple>
 
-namespace irt::checker {
+#include "stress/virtual_cores/sanitizer_abi.hpp"
+
+namespace irt::symbols {
 
 namespace {
 
@@ -12,8 +14,8 @@ using namespace std::string_view_literals;
 
 template <std::size_t n>
 bool starts_with_any(std::string_view text, const std::array<std::string_view, n>& starts) {
-  return std::any_of(starts.begin(), starts.end(),
-                     [text](std::string_view start) { return text.starts_with(start); });
+  return std::ranges::any_of(starts,
+                             [text](std::string_view start) { return text.starts_with(start); });
 }
 
 /// A general register, and how many bytes of it; 0 if it is none.
@@ -104,9 +106,9 @@ unsigned bytes_of(const Instruction& instruction) {
   if (starts_with_any(name, four)) return 4;
   if (name.starts_with("movz") || (name.starts_with("movs") && name.size() == 6))
     return name[4] == 'b' ? 1 : 2;
-  const bool has_immediate =
-      std::any_of(instruction.operands.begin(), instruction.operands.end(),
-                  [](const Operand& operand) { return operand.kind == Operand::Kind::immediate; });
+  const bool has_immediate = std::ranges::any_of(instruction.operands, [](const Operand& operand) {
+    return operand.kind == Operand::Kind::immediate;
+  });
   if (!has_immediate) return 1;
   return name.ends_with('q') ? 8 : name.ends_with('l') ? 4 : name.ends_with('w') ? 2 : 1;
 }
@@ -124,7 +126,7 @@ bool never_returns(std::string_view function) {
                                    "abort"sv,
                                    "exit"sv,
                                    "_exit"sv};
-  return std::find(ends.begin(), ends.end(), function) != ends.end() ||
+  return std::ranges::find(ends, function) != ends.end() ||
          (function.starts_with("_ZSt") && function.find("__throw_") != std::string_view::npos) ||
          function == "__cxa_throw_bad_array_new_length";
 }
@@ -170,7 +172,7 @@ std::optional<Instruction> parse_instruction(const std::string& line) {
     const std::string_view word = std::string_view(text).substr(at, space - at);
     static constexpr std::array prefixes{"lock"sv, "rep"sv,     "repz"sv,   "repnz"sv, "data16"sv,
                                          "cs"sv,   "notrack"sv, "addr32"sv, "bnd"sv};
-    const bool prefix = std::find(prefixes.begin(), prefixes.end(), word) != prefixes.end();
+    const bool prefix = std::ranges::find(prefixes, word) != prefixes.end();
     result.name += (result.name.empty() ? "" : " ") + std::string(word);
     at = space == std::string::npos ? text.size() : text.find_first_not_of(' ', space);
     if (at == std::string::npos) at = text.size();
@@ -231,12 +233,21 @@ bool stands_for_instruction(const std::string& target) {
   return target.starts_with("irt_vc_cpu_");
 }
 
-std::int64_t hooked_bytes(const std::string& target) {
-  if (target.ends_with("_range")) return -1;
-  if (target.find("vptr") != std::string::npos) return 8;
-  if (target.find("read") == std::string::npos && target.find("write") == std::string::npos)
-    return 0;
-  return std::strtol(target.c_str() + target.find_last_not_of("0123456789") + 1, nullptr, 10);
+std::optional<Announcement> announcement_of(const std::string& target) {
+  struct Hook {
+    std::string_view name;
+    Announcement announces;
+  };
+  constexpr bool read = false, write = true;
+#define IRT_PLAIN(name, kind, bytes) Hook{"__tsan_" #name, {bytes, kind}},
+  static constexpr std::array hooks{IRT_SANITIZER_PLAIN(IRT_PLAIN)  //
+                                    Hook{"__tsan_read_range", {-1, read}},
+                                    Hook{"__tsan_write_range", {-1, write}},
+                                    Hook{"__tsan_vptr_read", {8, read}},
+                                    Hook{"__tsan_vptr_update", {8, write}}};
+#undef IRT_PLAIN
+  const auto* hook = std::ranges::find(hooks, target, &Hook::name);
+  return hook == hooks.end() ? std::nullopt : std::optional(hook->announces);
 }
 
-}  // namespace irt::checker
+}  // namespace irt::symbols

@@ -1,4 +1,4 @@
-#include "stress/checker/unannounced.hpp"
+#include "stress/virtual_cores/symbols/unannounced.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,11 @@
 #include <set>
 #include <tuple>
 
-#include "stress/checker/instruction.hpp"
-#include "stress/checker/value_names.hpp"
+#include "stress/virtual_cores/symbols/evaluation.hpp"
+#include "stress/virtual_cores/symbols/instruction.hpp"
+#include "stress/virtual_cores/symbols/value_names.hpp"
 
-namespace irt::checker {
+namespace irt::symbols {
 
 namespace {
 
@@ -25,21 +26,9 @@ struct Announced {
   friend bool operator==(const Announced&, const Announced&) = default;
 };
 
-struct State {
+struct State : Frame {
   bool reached = false;
-  std::array<NamedValue, registers> in{};
-  std::map<std::int64_t, NamedValue>
-      slots{};  ///< 8 bytes of the stack each, by distance from its top
   std::vector<Announced> announced{};
-};
-
-struct Section {
-  std::uint64_t begin, end;
-};
-
-struct Sections {
-  std::vector<Section> writable;   ///< where memory that may change lies in the file
-  std::vector<Section> constants;  ///< and where that lies which never does
 };
 
 struct Block {
@@ -52,7 +41,11 @@ struct Block {
 class Function {
  public:
   Function(std::vector<Instruction> code, const Sections& sections, bool results_on_stack)
-      : code_(std::move(code)), sections_(sections), results_on_stack_(results_on_stack) {}
+      : code_(std::move(code)),
+        sections_(sections),
+        results_on_stack_(results_on_stack),
+        evaluation_(sections),
+        names_(evaluation_.names()) {}
 
   std::vector<Unannounced> run() {
     divide();
@@ -76,8 +69,7 @@ class Function {
         else
           in_all = here;
         // Handlers call, too, and what they call may throw.
-        if (in_all->empty() || i == 0)
-          std::move(left_.begin(), left_.end(), std::back_inserter(entries));
+        if (in_all->empty() || i == 0) std::ranges::move(left_, std::back_inserter(entries));
       }
       if (in_all) found.insert(in_all->begin(), in_all->end());
     }
@@ -192,8 +184,8 @@ class Function {
     for (Announced mine : to.announced) {
       const auto& others = from.announced;
       // What is announced may have a new name, too.
-      if (std::find(others.begin(), others.end(), mine) != others.end() ||
-          std::any_of(others.begin(), others.end(), [&](const Announced& other) {
+      if (std::ranges::find(others, mine) != others.end() ||
+          std::ranges::any_of(others, [&](const Announced& other) {
             const auto known = joined.find(
                 {mine.begin.root, other.begin.root, mine.begin.offset - other.begin.offset});
             Announced renamed = mine;
@@ -216,77 +208,15 @@ class Function {
     for (const std::size_t next : blocks_[number].next) meet(blocks_[next].before, state, next);
   }
 
-  NamedValue address_of(const State& state, const Operand& operand) {
-    if (operand.absolute) return {0, operand.offset};
-    NamedValue value{0, operand.offset};
-    if (operand.base != no_register) value = sum(state.in[operand.base], value);
-    if (operand.index == no_register) return value;
-    const NamedValue index = state.in[operand.index];
-    if (index.root == 0) return {value.root, value.offset + index.offset * operand.scale};
-    const NamedValue scaled =
-        operand.scale == 1 ? index : names_.of("scale", {index.root, 0}, {}, operand.scale);
-    const NamedValue far = sum({value.root, 0}, {scaled.root, 0});
-    return {far.root, far.offset + value.offset + index.offset * operand.scale};
-  }
-
-  NamedValue sum(NamedValue a, NamedValue b) {
-    if (a.root == 0) return {b.root, b.offset + a.offset};
-    if (b.root == 0) return {a.root, a.offset + b.offset};
-    const NamedValue root =
-        names_.of("+", {std::min(a.root, b.root), 0}, {std::max(a.root, b.root), 0}, 0,
-                  names_.on_stack(a) || names_.on_stack(b));
-    return {root.root, a.offset + b.offset};
-  }
-
-  NamedValue read(State& state, const Operand& operand, const Instruction& at) {
-    if (operand.kind == Operand::Kind::immediate) return {0, operand.offset};
-    if (operand.kind == Operand::Kind::reg && operand.base != no_register)
-      return state.in[operand.base];
-    const NamedValue own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
-    if (operand.kind != Operand::Kind::memory || operand.segment) return own;
-    const NamedValue place = address_of(state, operand);
-    if (place.root == 0) return is_writable(place.offset) ? own : names_.of("constant", place);
-    if (place.root != stack_root) return own;
-    return state.slots.try_emplace(place.offset, own).first->second;
-  }
-
-  void write(State& state, const Operand& operand, NamedValue value, const Instruction& at) {
-    if (operand.kind == Operand::Kind::reg) {
-      if (operand.base != no_register) state.in[operand.base] = value;
-      return;
-    }
-    if (operand.kind != Operand::Kind::memory || operand.segment) return;
-    const NamedValue place = address_of(state, operand);
-    if (place.root != stack_root) return;
-    // Up to 16 bytes are written; what is narrower than 8 is no value that anybody asks for.
-    const bool whole = at.name == "mov" || at.name == "movq";
-    const std::int64_t end = place.offset + (whole ? 8 : 16);
-    for (auto slot = state.slots.lower_bound(place.offset - 7);
-         slot != state.slots.end() && slot->first < end; ++slot)
-      slot->second = names_.of("part", {0, static_cast<std::int64_t>(at.address)}, {}, slot->first);
-    state.slots[place.offset] = value;
-  }
-
-  static bool contains(const std::vector<Section>& sections, std::int64_t address) {
-    return std::any_of(sections.begin(), sections.end(), [address](const Section& section) {
-      return static_cast<std::uint64_t>(address) >= section.begin &&
-             static_cast<std::uint64_t>(address) < section.end;
-    });
-  }
-
-  [[nodiscard]] bool is_writable(std::int64_t address) const {
-    return contains(sections_.writable, address);
-  }
-
   /// Whether an element of a table of constants is read: compilers make such of a `switch`.
   [[nodiscard]] bool reads_table(const State& state, const MemoryUse& use) const {
     if (use.writes || use.place.absolute || use.place.base == no_register) return false;
     const NamedValue table = state.in[use.place.base];
-    return table.root == 0 && contains(sections_.constants, table.offset + use.place.offset);
+    return table.root == 0 && sections_.never_changes(table.offset + use.place.offset);
   }
 
   void check(State& state, NamedValue place, const MemoryUse& use, std::size_t at) {
-    if (names_.on_stack(place) || (place.root == 0 && !is_writable(place.offset))) return;
+    if (names_.on_stack(place) || (place.root == 0 && !sections_.may_change(place.offset))) return;
     const auto fits = [&](const Announced& a) {
       return a.bytes >= use.bytes && (a.writes || !use.writes);
     };
@@ -314,8 +244,7 @@ class Function {
 
   void call(State& state, const Instruction& at) {
     if (stands_for_instruction(at.target)) {
-      for (const std::uint8_t r : {rax, rcx, rdx})
-        state.in[r] = names_.of("after", {0, static_cast<std::int64_t>(at.address)}, {}, r);
+      evaluation_.single(state, at);
       return;
     }
     if (!is_hook(at.target)) {
@@ -323,26 +252,18 @@ class Function {
       const bool own = at.target.find("tls_get_addr") != std::string::npos;
       const NamedValue asked = state.in[rdi];
       if (!own) state.announced.clear();
-      forget(state, at);
+      evaluation_.call(state, at);
       if (own) state.in[rax] = names_.of("thread", asked);
     } else {
-      std::int64_t bytes = hooked_bytes(at.target);
-      if (bytes < 0)
-        bytes = state.in[rsi].root == 0 ? state.in[rsi].offset
-                                        : std::numeric_limits<std::int32_t>::max();
-      if (bytes != 0)
-        state.announced.push_back(
-            {state.in[rdi], bytes, at.target.find("read") == std::string::npos});
-      forget(state, at);
+      if (auto access = announcement_of(at.target)) {
+        const NamedValue said = state.in[rsi];
+        if (access->bytes < 0)
+          access->bytes = said.root == 0 ? said.offset : std::numeric_limits<std::int32_t>::max();
+        state.announced.push_back({state.in[rdi], access->bytes, access->writes});
+      }
+      evaluation_.call(state, at);
     }
     if (collect_) leave(state);
-  }
-
-  /// What a call may change.
-  void forget(State& state, const Instruction& at) {
-    for (std::uint8_t r = 0; r < 12; ++r)
-      if (r != rbx && r != rsp && r != rbp)
-        state.in[r] = names_.of("after", {0, static_cast<std::int64_t>(at.address)}, {}, r);
   }
 
   /// The unwinder, or a table of jumps, may go on from here.
@@ -355,7 +276,8 @@ class Function {
     const Instruction& at = code_[number];
     if (collect_)
       for (const MemoryUse& use : memory_uses(at))
-        if (!reads_table(state, use)) check(state, address_of(state, use.place), use, number);
+        if (!reads_table(state, use))
+          check(state, evaluation_.address_of(state, use.place), use, number);
     if (at.is_call()) return call(state, at);
     if (at.is("ret") || at.is("repz ret")) {
       returns_argument_ = returns_argument_ || state.in[rax] == NamedValue{argument_root, 0};
@@ -365,89 +287,15 @@ class Function {
       if (at.target_address == 0 && collect_) leave(state);
       return;
     }
-    if (at.is("push")) {
-      const NamedValue value = read(state, at.operands[0], at);
-      state.in[rsp].offset -= 8;
-      if (state.in[rsp].root == stack_root) state.slots[state.in[rsp].offset] = value;
-      return;
-    }
-    if (at.is("pop") && at.operands.size() == 1) {
-      static const Operand top{.kind = Operand::Kind::memory, .base = rsp};
-      write(state, at.operands[0], read(state, top, at), at);
-      state.in[rsp].offset += 8;
-      return;
-    }
-    if (at.is("leave")) {
-      static const Operand top{.kind = Operand::Kind::memory, .base = rsp};
-      state.in[rsp] = state.in[rbp];
-      state.in[rbp] = read(state, top, at);
-      state.in[rsp].offset += 8;
-      return;
-    }
-    compute(state, at);
-  }
-
-  void compute(State& state, const Instruction& at) {
-    const NamedValue own = names_.of("at", {0, static_cast<std::int64_t>(at.address)});
-    if (at.is("cltq") || at.is("cwtl")) {
-      state.in[rax] = names_.of(at.name, state.in[rax]);
-    } else if (at.is("cqto") || at.is("cltd")) {
-      state.in[rdx] = names_.of(at.name, state.in[rax]);
-    } else if (at.is("rep") || at.is("cpuid") || at.is("rdtsc") || at.is("syscall") ||
-               at.is("xgetbv")) {
-      for (const std::uint8_t r : {rax, rcx, rdx, rsi, rdi})
-        state.in[r] = names_.of("after", own, {}, r, names_.on_stack(state.in[r]));
-    } else if (at.operands.size() == 1 &&
-               (at.is("mul") || at.is("imul") || at.is("div") || at.is("idiv"))) {
-      state.in[rax] = names_.of("after", own, {}, rax);
-      state.in[rdx] = names_.of("after", own, {}, rdx);
-    }
-    if (at.operands.empty() || at.only_reads() || at.is("lock") || at.is("nop")) return;
-    const Operand& to = at.operands.back();
-    if (at.is("xchg") && at.operands.size() == 2) {
-      const NamedValue a = read(state, at.operands[0], at);
-      const NamedValue b = read(state, at.operands[1], at);
-      write(state, at.operands[0], b, at);
-      write(state, at.operands[1], a, at);
-      return;
-    }
-    write(state, to, result_of(state, at, own), at);
-  }
-
-  NamedValue result_of(State& state, const Instruction& at, NamedValue own) {
-    const Operand& from = at.operands.front();
-    const Operand& to = at.operands.back();
-    const bool wide = to.kind == Operand::Kind::memory || to.bytes == 8;
-    if (at.is("lea")) return wide ? address_of(state, from) : own;
-    const bool moves =
-        at.name == "mov" || at.name == "movq" || at.name == "movabs" || at.name == "movl";
-    if (moves && (from.kind == Operand::Kind::immediate || (wide && from.bytes != 4)))
-      return from.kind == Operand::Kind::reg && from.base == no_register ? own
-                                                                         : read(state, from, at);
-    if (at.is("xor") && at.operands.size() == 2 && from.kind == Operand::Kind::reg &&
-        from.base == to.base)
-      return {0, 0};
-    if (to.kind == Operand::Kind::memory) return own;
-    if (at.is("set") || at.operands.size() > 2) return own;
-    const NamedValue a = at.operands.size() == 2 ? read(state, from, at) : NamedValue{};
-    const NamedValue b = read(state, to, at);
-    if (wide && at.is("add")) return sum(a, b);
-    if (wide && at.is("sub") && a.root == 0) return {b.root, b.offset - a.offset};
-    if (wide && at.is("inc")) return {b.root, b.offset + 1};
-    if (wide && at.is("dec")) return {b.root, b.offset - 1};
-    const bool copies = at.is("mov") || at.is("movz") || at.is("movs") || at.is("cvt");
-    const bool keeps_stack = (at.is("and") && wide && names_.on_stack(b)) ||
-                             (at.is("cmov") && names_.on_stack(a) && names_.on_stack(b)) ||
-                             (at.is("sub") && wide && names_.on_stack(b) && !names_.on_stack(a));
-    return names_.of(at.name, a, copies ? NamedValue{} : b, from.bytes * 16 + to.bytes,
-                     keeps_stack);
+    evaluation_.step(state, at);
   }
 
   std::vector<Instruction> code_;
   const Sections& sections_;
   bool results_on_stack_;
   std::vector<Block> blocks_;
-  ValueNames names_;
+  Evaluation evaluation_;
+  ValueNames& names_;
   std::int64_t run_ = 0;
   bool changed_ = false;
   bool collect_ = false;
@@ -503,13 +351,12 @@ std::vector<Unannounced> unannounced(const std::vector<std::string>& disassembly
   std::vector<Unannounced> result;
   for (auto& [name, parts] : functions) {
     std::vector<Instruction> code = std::move(parts[0]);
-    std::move(parts[1].begin(), parts[1].end(), std::back_inserter(code));
+    std::ranges::move(parts[1], std::back_inserter(code));
     for (Unannounced& found : Function(std::move(code), kinds, results_on_stack).run())
       result.push_back(std::move(found));
   }
-  std::sort(result.begin(), result.end(),
-            [](const auto& a, const auto& b) { return a.address < b.address; });
+  std::ranges::sort(result, [](const auto& a, const auto& b) { return a.address < b.address; });
   return result;
 }
 
-}  // namespace irt::checker
+}  // namespace irt::symbols

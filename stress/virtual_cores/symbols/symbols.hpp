@@ -7,7 +7,7 @@
 
 #include "stress/virtual_cores/virtual_cores.hpp"
 
-namespace irt::checker {
+namespace irt::symbols {
 
 struct Line {
   std::string function;
@@ -48,4 +48,4 @@ class Symbols {
   std::map<std::string, std::vector<std::string>> sources_;
 };
 
-}  // namespace irt::checker
+}  // namespace irt::symbols
