@@ -40,8 +40,8 @@ const Registered& registered() {
 }
 
 const QueueEntry* find_in(std::span<const QueueEntry> entries, std::string_view name) {
-  const auto found = std::find_if(entries.begin(), entries.end(),
-                                  [name](const QueueEntry& entry) { return entry.name == name; });
+  const auto found =
+      std::ranges::find_if(entries, [name](const QueueEntry& entry) { return entry.name == name; });
   return found == entries.end() ? nullptr : &*found;
 }
 

@@ -110,7 +110,7 @@ std::string hypervisor_name() {
     if (signature == key) return std::string(name);
   }
   const bool printable =
-      std::all_of(signature.begin(), signature.end(), [](char c) { return c >= ' ' && c <= '~'; });
+      std::ranges::all_of(signature, [](char c) { return c >= ' ' && c <= '~'; });
   return printable ? signature : std::string();
 #else
   return {};

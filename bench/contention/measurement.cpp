@@ -7,6 +7,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "bench/contention/counting.hpp"
@@ -61,9 +62,8 @@ double variation(std::span<const double> values) {
 double fairness(const Roles& roles, const std::vector<std::uint64_t>& operations) {
   const auto within = [&](std::size_t from, std::size_t to) {
     if (from >= to) return 1.0;
-    const auto [least, most] = std::minmax_element(operations.begin() + static_cast<long>(from),
-                                                   operations.begin() + static_cast<long>(to));
-    return *most == 0 ? 0 : static_cast<double>(*least) / static_cast<double>(*most);
+    const auto [least, most] = std::ranges::minmax(std::span(operations).subspan(from, to - from));
+    return most == 0 ? 0 : static_cast<double>(least) / static_cast<double>(most);
   };
   if (roles.together()) return within(0, roles.workers);
   return std::min(within(0, roles.producers), within(roles.producers, roles.workers));

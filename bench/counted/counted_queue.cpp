@@ -39,7 +39,7 @@ std::vector<std::string> counted_queues() {
 const QueueEntry* counted_queue(std::string_view name) {
   const auto& all = all_queues();
   const auto found =
-      std::find_if(all.begin(), all.end(), [name](const auto& one) { return one.first == name; });
+      std::ranges::find_if(all, [name](const auto& one) { return one.first == name; });
   if (found == all.end()) return nullptr;
   atomic_events();  // so that the linker keeps the runtime, which the object needs
   void* object = dlopen(found->second.c_str(), RTLD_NOW | RTLD_LOCAL);

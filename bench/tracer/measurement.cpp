@@ -29,7 +29,7 @@ bool same_bits(float a, float b) {
 
 double spread(std::vector<double> values) {
   if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const double low = values[values.size() / 4],
                high = values[values.size() - 1 - values.size() / 4];
   return 50 * (high - low) / statistics::median(values);

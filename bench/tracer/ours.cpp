@@ -35,8 +35,8 @@ void for_each_way(Each each) {
 }  // namespace
 
 bool is_wanted(std::string_view name, std::span<const std::string> wanted) {
-  return std::any_of(wanted.begin(), wanted.end(),
-                     [&](const std::string& one) { return one == "all" || one == name; });
+  return std::ranges::any_of(wanted,
+                             [&](const std::string& one) { return one == "all" || one == name; });
 }
 
 std::span<const std::string_view> usual_contestants() {

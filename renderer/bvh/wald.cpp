@@ -30,7 +30,7 @@ struct Split {
 };
 
 void sort_along(int axis, std::span<Reference> references) {
-  std::sort(references.begin(), references.end(), [axis](const Reference& a, const Reference& b) {
+  std::ranges::sort(references, [axis](const Reference& a, const Reference& b) {
     return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.index < b.index;
   });
 }

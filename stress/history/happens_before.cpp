@@ -39,8 +39,8 @@ void HappensBefore::run() {
   };
   const auto step = [&](std::size_t row) {
     now[row][row] = static_cast<Tick>(++at[row]);
-    std::copy(now[row].begin(), now[row].end(),
-              rows_[row].clocks.begin() + static_cast<std::ptrdiff_t>((at[row] - 1) * width));
+    std::ranges::copy(
+        now[row], rows_[row].clocks.begin() + static_cast<std::ptrdiff_t>((at[row] - 1) * width));
   };
   // Runs a row until it must wait for a barrier or for another row's push.
   const auto advance = [&](std::size_t row) {

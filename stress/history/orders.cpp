@@ -237,7 +237,7 @@ class Search {
       case Kind::push:
         // Where any may leave, states that hold the same are the same.
         held_.insert(specification_.overtakes() == any_number
-                         ? std::upper_bound(held_.begin(), held_.end(), call.value)
+                         ? std::ranges::upper_bound(held_, call.value)
                          : held_.end(),
                      call.value);
         return true;
@@ -247,7 +247,7 @@ class Search {
       case Kind::empty:
         return !judged || specification_.empty() != Answer::exact || held_.empty();
       case Kind::pop: {
-        const auto found = std::find(held_.begin(), held_.end(), call.value);
+        const auto found = std::ranges::find(held_, call.value);
         if (found == held_.end()) return false;
         if (static_cast<std::uint64_t>(found - held_.begin()) > specification_.overtakes())
           return false;
@@ -302,7 +302,7 @@ Judgement judge_orders(const Calls& calls, const Fates& fates, const Specificati
   };
   // Happens-before alone gives *full* and *empty* no common moment: see specification.hpp.
   const bool apart = specification.claims().ordering == Ordering::fifo_happens_before &&
-                     std::any_of(exact.begin(), exact.end(), [&calls](std::size_t i) {
+                     std::ranges::any_of(exact, [&calls](std::size_t i) {
                        return calls.all()[i].kind == Kind::full;
                      });
   const auto pairs_are_right = [&] {

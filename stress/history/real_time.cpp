@@ -149,7 +149,7 @@ std::optional<Violation> find_full(const Matching& matching, std::size_t capacit
       if (life.pop != nullptr) changes.push_back({life.pop->returned + error, -1});
     }
   }
-  std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+  std::ranges::sort(changes, [](const Change& a, const Change& b) {
     return a.at != b.at ? a.at < b.at : a.by > b.by;
   });
   // highest[l][i]: the largest possible content after changes i .. i + 2^l - 1.
@@ -162,17 +162,15 @@ std::optional<Violation> find_full(const Matching& matching, std::size_t capacit
     for (std::size_t i = 0; i < level.size(); ++i) level[i] = std::max(half[i], half[i + span]);
     highest.push_back(std::move(level));
   }
-  const auto before = [](const Change& change, Stamp at) { return change.at < at; };
+  const auto changes_before = [&changes](Stamp at) {
+    return std::ranges::lower_bound(changes, at, {}, &Change::at) - changes.begin();
+  };
   for (const auto& log : matching.history().logs) {
     for (const Operation& operation : log) {
       if (operation.kind != Kind::full) continue;
       // From the state in force when the call began to the last change before it returned.
-      const auto first =
-          std::lower_bound(changes.begin(), changes.end(), operation.invoked - error, before) -
-          changes.begin();
-      const auto last =
-          std::lower_bound(changes.begin(), changes.end(), operation.returned + error + 1, before) -
-          changes.begin();
+      const auto first = changes_before(operation.invoked - error);
+      const auto last = changes_before(operation.returned + error + 1);
       const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(first - 1, 0));
       const auto end = static_cast<std::size_t>(last);
       std::int64_t most = 0;
@@ -217,9 +215,9 @@ Distances summarise(std::vector<std::uint64_t>& values) {
   for (const std::uint64_t v : values) d.mean += static_cast<double>(v);
   d.mean /= static_cast<double>(values.size());
   const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 99 / 100);
-  std::nth_element(values.begin(), at, values.end());
+  std::ranges::nth_element(values, at);
   d.p99 = *at;
-  d.max = *std::max_element(at, values.end());
+  d.max = *std::ranges::max_element(at, values.end());
   return d;
 }
 
@@ -249,11 +247,10 @@ Relaxation measure_relaxation(const Matching& matching) {
     pops_invoked.push_back(life->pop_invoked());
     pops_returned.push_back(life->pop_returned());
   }
-  std::sort(pops_invoked.begin(), pops_invoked.end());
-  std::sort(pops_returned.begin(), pops_returned.end());
+  std::ranges::sort(pops_invoked);
+  std::ranges::sort(pops_returned);
   const auto position = [](const std::vector<Stamp>& sorted, Stamp at) {
-    return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), at) -
-                                    sorted.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(sorted, at) - sorted.begin());
   };
 
   Relaxation result;

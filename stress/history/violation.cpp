@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <span>
 
 namespace irt::stress {
 namespace {
@@ -78,8 +79,7 @@ std::string explain(const Violation& violation, double ticks_per_nanosecond) {
     std::string bar(static_cast<std::size_t>(columns), ' ');
     const std::size_t from = column(c.operation.invoked);
     const std::size_t to = column(c.operation.returned);
-    std::fill(bar.begin() + static_cast<std::ptrdiff_t>(from),
-              bar.begin() + static_cast<std::ptrdiff_t>(to), '-');
+    std::ranges::fill(std::span(bar).subspan(from, to - from), '-');
     bar[from] = '|';
     bar[to] = '|';
     const auto time = [&](Stamp at) {

@@ -56,7 +56,7 @@ std::string without_testbed(const std::string& report) {
     const std::size_t end = std::min(report.find('\n', at), report.size() - 1) + 1;
     const std::string_view line(report.data() + at, end - at);
     const bool frame = line.find_first_not_of(' ') == line.find('#');
-    if (!frame || std::none_of(ours.begin(), ours.end(), [&](std::string_view word) {
+    if (!frame || std::ranges::none_of(ours, [&](std::string_view word) {
           return line.find(word) != std::string_view::npos;
         })) {
       text += line;

@@ -81,8 +81,7 @@ class FaultRun {
         }
       }
     }
-    const bool lost =
-        std::any_of(fates_.begin(), fates_.end(), [](Fate fate) { return fate == Fate::accepted; });
+    const bool lost = std::ranges::any_of(fates_, [](Fate fate) { return fate == Fate::accepted; });
     return lost ? "loses nothing it accepted when an allocation fails" : nullptr;
   }
 
@@ -100,8 +99,7 @@ class FaultRun {
   const char* pop(ElementQueue& queue, unsigned worker) {
     Element e = 0;
     if (call(Doing::pop, [&] { return queue.pop(worker, e); }) != Reply::yes) return nullptr;
-    const auto i =
-        static_cast<std::size_t>(std::find(words_.begin(), words_.end(), e) - words_.begin());
+    const auto i = static_cast<std::size_t>(std::ranges::find(words_, e) - words_.begin());
     if (i == elements || fates_[i] == Fate::unknown) return "pops only what was pushed";
     if (fates_[i] == Fate::refused) return "refuses an element entirely when an allocation fails";
     if (fates_[i] == Fate::popped) return "every element leaves once when an allocation fails";

@@ -51,7 +51,7 @@ constexpr std::array<std::string_view, 5> suite_names{"scenarios", "sustained", 
                                                       "faults", "memory"};
 
 bool named(const std::vector<std::string>& choice, std::string_view name) {
-  return std::find(choice.begin(), choice.end(), name) != choice.end();
+  return std::ranges::find(choice, name) != choice.end();
 }
 
 bool chosen(const std::vector<std::string>& choice, std::string_view name) {
@@ -76,7 +76,7 @@ class Session {
 
   /// Whether a claim of a queue of ours broke.
   [[nodiscard]] bool broken() const {
-    return std::any_of(results_.begin(), results_.end(), [](const Result& result) {
+    return std::ranges::any_of(results_, [](const Result& result) {
       return !result.findings.empty() && !result.third_party;
     });
   }
@@ -213,7 +213,7 @@ class Session {
 void check_choice(const std::vector<std::string>& choice, std::string_view kind,
                   const std::vector<std::string_view>& known) {
   for (const std::string& name : choice) {
-    if (std::find(known.begin(), known.end(), name) == known.end())
+    if (std::ranges::find(known, name) == known.end())
       throw UsageError(unknown_name(kind, name, known));
   }
 }

@@ -101,7 +101,7 @@ Cell examine(const Instrument& instrument, const Mutant& mutant, const KillOptio
 std::string show(const Cell& cell) {
   if (cell.kills == 0) return cell.runs > 1 ? fmt::format("0/{}", cell.runs) : "-";
   std::vector<double> times = cell.times;
-  std::nth_element(times.begin(), times.begin() + std::ssize(times) / 2, times.end());
+  std::ranges::nth_element(times, times.begin() + std::ssize(times) / 2);
   std::string median = fmt::format("{:.2f}", times[times.size() / 2]);
   if (cell.runs == 1) return median;
   return fmt::format("{} {:.2f} {}/{}", median, cell.slowest, cell.kills, cell.runs);
@@ -166,8 +166,7 @@ Matrix read(const std::vector<std::string>& files) {
 
 bool kill_mutants(const KillOptions& options, const ClockQuality& clock) {
   const auto chosen = [&](const Mutant& mutant) {
-    return options.ids.empty() ||
-           std::find(options.ids.begin(), options.ids.end(), mutant.id) != options.ids.end();
+    return options.ids.empty() || std::ranges::find(options.ids, mutant.id) != options.ids.end();
   };
   Matrix matrix = read(options.merge);
   fmt::print(

@@ -238,14 +238,14 @@ std::vector<std::string> describe(const Trace& trace) {
   // Of a crash: the handler and the kernel's trampoline stand above what was interrupted; the
   // runner of the suite stands below.
   const auto has = [](const std::string& line, std::initializer_list<std::string_view> words) {
-    return std::any_of(words.begin(), words.end(),
-                       [&](std::string_view word) { return line.find(word) != std::string::npos; });
+    return std::ranges::any_of(
+        words, [&](std::string_view word) { return line.find(word) != std::string::npos; });
   };
   const auto handler = std::find_if(lines.rbegin(), lines.rend(), [&](const std::string& line) {
     return has(line, {"__restore_rt", "sigaction", "on_crash"});
   });
   lines.erase(lines.begin(), handler.base());
-  const auto runner = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) {
+  const auto runner = std::ranges::find_if(lines, [&](const std::string& line) {
     return has(line, {"irt::stress::Core::", "(irt::stress::Core&)",
                       "irt::stress::Team::", "ProgressRun", "start_thread"});
   });

@@ -23,8 +23,7 @@ struct Range {
 using Ranges = std::vector<Range>;
 
 bool contain(const Ranges& ranges, std::uintptr_t address) {
-  return std::any_of(ranges.begin(), ranges.end(),
-                     [&](const Range& range) { return range.contains(address); });
+  return std::ranges::any_of(ranges, [&](const Range& range) { return range.contains(address); });
 }
 
 Ranges machinery;     ///< all that is no queue's

@@ -22,7 +22,7 @@ std::vector<Range>& constants() {
   return modules;
 }
 bool is_in(const std::vector<Range>& ranges, Range bytes) {
-  return std::any_of(ranges.begin(), ranges.end(), [bytes](Range range) {
+  return std::ranges::any_of(ranges, [bytes](Range range) {
     return bytes.begin >= range.begin && bytes.end <= range.end;
   });
 }

@@ -68,11 +68,10 @@ bool is_exception_member(std::string_view name) {
     if (name.starts_with(prefix)) begin = prefix.size();
   if (begin == 0) return false;
   const std::string_view rest = name.substr(begin);
-  return std::any_of(classes.begin(), classes.end(), [&](std::string_view type) {
+  return std::ranges::any_of(classes, [&](std::string_view type) {
     if (!rest.starts_with(type)) return false;
     const std::string_view member = rest.substr(type.size());
-    return table ? member.empty()
-                 : std::find(members.begin(), members.end(), member) != members.end();
+    return table ? member.empty() : std::ranges::find(members, member) != members.end();
   });
 }
 
@@ -85,7 +84,7 @@ bool is_arithmetic(std::string_view name) {
       "lrint"sv, "lround"sv, "nearbyint"sv, "pow"sv,     "rint"sv,  "round"sv, "sin"sv,   "sinh"sv,
       "sqrt"sv,  "tan"sv,    "tanh"sv,      "trunc"sv};
   const auto known = [](std::string_view n) {
-    return std::find(functions.begin(), functions.end(), n) != functions.end();
+    return std::ranges::find(functions, n) != functions.end();
   };
   return known(name) ||
          ((name.ends_with('f') || name.ends_with('l')) && known(name.substr(0, name.size() - 1)));
@@ -99,9 +98,9 @@ bool is_harmless(std::string_view name) {
       // Attributes, which are made before the object and then read.
       "pthread_mutexattr_"sv, "pthread_condattr_"sv, "pthread_rwlockattr_"sv,
       "pthread_barrierattr_"sv, "pthread_attr_"sv};
-  return std::any_of(prefixes.begin(), prefixes.end(),
-                     [name](std::string_view prefix) { return name.starts_with(prefix); }) ||
-         std::find(exact.begin(), exact.end(), name) != exact.end() || is_throw_helper(name) ||
+  return std::ranges::any_of(
+             prefixes, [name](std::string_view prefix) { return name.starts_with(prefix); }) ||
+         std::ranges::find(exact, name) != exact.end() || is_throw_helper(name) ||
          is_exception_member(name) || is_arithmetic(name);
 }
 

@@ -57,9 +57,7 @@ class Loading final : public Tenant {
     return block;
   }
   void release(void* block, const void* pc) override {
-    blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(),
-                                 [block](Range b) { return b.begin == address_of(block); }),
-                  blocks_.end());
+    std::erase_if(blocks_, [block](Range b) { return b.begin == address_of(block); });
     Tenant::release(block, pc);
   }
   const std::vector<Range>& blocks() const { return blocks_; }
@@ -140,7 +138,7 @@ void Module::restore(const std::vector<char>& image) {
 }
 
 bool Module::owns_global(std::uintptr_t address) const {
-  return std::any_of(state_->memory.begin(), state_->memory.end(), [address](Range range) {
+  return std::ranges::any_of(state_->memory, [address](Range range) {
     return address >= range.begin && address < range.end;
   });
 }
@@ -165,7 +163,7 @@ std::vector<std::string> Module::unseen_calls() const {
     const char* name = names + symbols[i].st_name;
     if (symbols[i].st_shndx == SHN_UNDEF && !is_harmless(name)) result.push_back(demangled(name));
   }
-  std::sort(result.begin(), result.end());
+  std::ranges::sort(result);
   return result;
 }
 

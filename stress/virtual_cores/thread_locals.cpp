@@ -82,8 +82,7 @@ void* carve(std::size_t size, std::size_t alignment) {
 template <class Describe>
 void* block_of(const void* key, Describe describe) {
   Core& core = core_state(current_core);
-  auto block = std::find_if(core.blocks.begin(), core.blocks.end(),
-                            [key](const Block& b) { return b.key == key; });
+  auto block = std::ranges::find_if(core.blocks, [key](const Block& b) { return b.key == key; });
   if (block == core.blocks.end()) {
     const Image image = describe();
     void* memory = carve(image.size, std::max<std::size_t>(image.alignment, 16));

@@ -227,7 +227,7 @@ Spread chain(Cpu a, Cpu b, Visit visit) {
   std::vector<Line> lines(count);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0U);
-  std::shuffle(order.begin(), order.end(), std::mt19937(1));
+  std::ranges::shuffle(order, std::mt19937(1));
   Line phase;
   std::vector<double> samples;
   const Limit limit;

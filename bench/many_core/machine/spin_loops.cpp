@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 namespace irt::many_core {
 
@@ -77,8 +78,9 @@ void SpinLoops::sleep(Thread& me) {
   const Time period = me.clock - loop.clock;
   State& state = loop_.state();
   loop_.sync(me);
-  const bool all_held = std::all_of(loop.watches.begin(), loop.watches.begin() + loop.lines,
-                                    [&me](const Watch& w) { return w.line->held_by(me.core); });
+  const bool all_held =
+      std::ranges::all_of(std::span(loop.watches).first(loop.lines),
+                          [&me](const Watch& w) { return w.line->held_by(me.core); });
   if (period <= 0 || !all_held || me.clock >= me.deadline) return;
   for (unsigned i = 0; i < loop.lines; ++i) {
     Watch& watch = loop.watches[i];

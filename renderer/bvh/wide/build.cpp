@@ -168,7 +168,7 @@ class Builder {
     // The largest first, so that at the end no thread is left alone with one.
     order_.resize(subtrees_.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});
-    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+    std::ranges::sort(order_, [&](std::size_t a, std::size_t b) {
       return subtrees_[a].range.count() > subtrees_[b].range.count();
     });
     executor_.for_each(order_.size(), [&](std::size_t i) {
@@ -252,7 +252,7 @@ class Builder {
     bvh.box = root.box;
     bvh.nodes.resize(nodes);
     bvh.blocks.resize(blocks);
-    std::copy(top_.begin(), top_.end(), bvh.nodes.begin());
+    std::ranges::copy(top_, bvh.nodes.begin());
     executor_.for_each(order_.size(), [&](std::size_t i) {
       const std::size_t at = order_[i];
       write(subtrees_[at].part, node_base[at], block_base[at], bvh);

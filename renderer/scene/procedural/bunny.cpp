@@ -159,8 +159,7 @@ void add_animal(Mesh& mesh, const QuadMesh& quads, float cell) {
     const Vec3 from_face = quads.vertices[quads.quads[i][0]] - Vec3{-0.06f, 0.125f, 0.015f};
     by_distance.emplace_back(dot(from_face, from_face), i);
   }
-  std::nth_element(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(in_four),
-                   by_distance.end());
+  std::ranges::nth_element(by_distance, by_distance.begin() + static_cast<std::ptrdiff_t>(in_four));
   std::vector<bool> cut_in_four(quads.quads.size());
   for (std::size_t i = 0; i < in_four; ++i) cut_in_four[by_distance[i].second] = true;
 

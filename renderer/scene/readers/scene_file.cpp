@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "renderer/scene/procedural/shapes.hpp"
@@ -148,10 +149,9 @@ class SceneBuilder {
 
   /// The index of the file's material of that name; `named_` if it has none.
   std::uint32_t find(std::string_view name) const {
-    const auto end = scene_.materials.begin() + static_cast<std::ptrdiff_t>(named_);
-    const auto found = std::find_if(scene_.materials.begin(), end,
-                                    [name](const Material& m) { return m.name == name; });
-    return static_cast<std::uint32_t>(found - scene_.materials.begin());
+    const auto named = std::span(scene_.materials).first(named_);
+    return static_cast<std::uint32_t>(std::ranges::find(named, name, &Material::name) -
+                                      named.begin());
   }
 
   void mesh(const Node& node, const MeshLoader& load_mesh) {

@@ -148,6 +148,7 @@ UnseenInstructions Symbols::unseen_instructions() {
     if (!escapes_hooks(access.name + " ")) add(access.address, access.name, access.writes);
 
   std::vector<const void*> pcs;
+  pcs.reserve(found.size());
   for (const Unseen& unseen : found) pcs.push_back(unseen.after);
   look_up(pcs);
   std::set<std::string> places;

@@ -1,4 +1,5 @@
 /// The tracer bench measures what it says: the same rays, answered alike by everybody.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -24,9 +25,8 @@ TEST(TracerBench, NamesAreKnown) {
   const bool has_embree = !contestants.back().ours;
   for (const std::string_view name : usual_contestants()) {
     if (!has_embree && name.starts_with("embree")) continue;
-    EXPECT_TRUE(std::any_of(contestants.begin(), contestants.end(), [&](const auto& one) {
-      return one.name == name;
-    })) << name;
+    EXPECT_TRUE(std::ranges::any_of(contestants, [&](const auto& one) { return one.name == name; }))
+        << name;
   }
 }
 

@@ -1,4 +1,5 @@
 /// What takes minutes: run by `irt test --full`.
+#include <algorithm>
 #include <array>
 #include <chrono>
 
@@ -33,7 +34,7 @@ TEST(Full, GoncalvesIsAHundredTimesBruteForce) {
     const auto brute = build("none", scene.mesh), tree = build("goncalves", scene.mesh);
     std::array<double, 5> ratio{};
     for (double& r : ratio) r = seconds_per_ray(*brute, 200) / seconds_per_ray(*tree, 20'000);
-    std::sort(ratio.begin(), ratio.end());
+    std::ranges::sort(ratio);
     RecordProperty(std::string(entry.name), std::to_string(ratio[2]));
     EXPECT_GE(ratio[2], 100) << entry.name << ": median of five, least " << ratio[0] << ", most "
                              << ratio[4];

@@ -78,8 +78,8 @@ std::string print(const History& h) {
 bool real_time_accuses(const Matching& matching) {
   static const Specification fifo({.ordering = Ordering::fifo_real_time}, 0);
   return !judge_real_time(matching, fifo).empty() ||
-         std::any_of(matching.violations().begin(), matching.violations().end(),
-                     [](const Violation& v) { return v.pattern != Pattern::lost; });
+         std::ranges::any_of(matching.violations(),
+                             [](const Violation& v) { return v.pattern != Pattern::lost; });
 }
 
 TEST(CrossCheck, RealTimeAgreesWithBruteForceOn100000Histories) {
@@ -135,8 +135,8 @@ TEST(CrossCheck, HappensBeforeNeverAccusesWhatBruteForceAccepts) {
   for (int i = 0; i < 50'000; ++i) {
     const History h = random_history(random, 3, static_cast<unsigned>(3 + below(random, 6)));
     const Matching matching(h);
-    const bool once = std::none_of(matching.violations().begin(), matching.violations().end(),
-                                   [](const Violation& v) { return v.pattern != Pattern::lost; });
+    const bool once = std::ranges::none_of(
+        matching.violations(), [](const Violation& v) { return v.pattern != Pattern::lost; });
     const HappensBefore order(matching);
     const Specification fifo({.ordering = Ordering::fifo_happens_before}, 0);
     const bool accused = !once || order.cycle().has_value() ||

@@ -18,8 +18,8 @@ Claims claims(Ordering ordering) {
 }
 
 bool accuses(const Verdict& verdict, Pattern pattern) {
-  return std::any_of(verdict.violations.begin(), verdict.violations.end(),
-                     [=](const Violation& v) { return v.pattern == pattern; });
+  return std::ranges::any_of(verdict.violations,
+                             [=](const Violation& v) { return v.pattern == pattern; });
 }
 
 TEST(ExactlyOnce, AcceptsARunInOrder) {

@@ -273,7 +273,7 @@ class Literal {
         bool allowed = true;
         if (c.kind == Kind::push && counts(c)) held.push_back(c.value);
         if (c.kind == Kind::pop && counts(c)) {
-          const auto at = std::find(held.begin(), held.end(), c.value);
+          const auto at = std::ranges::find(held, c.value);
           allowed = at != held.end() && std::uint64_t(at - held.begin()) <= passes;
           if (allowed) held.erase(at);
         }
@@ -342,8 +342,7 @@ Sample random_sample(Random& random, unsigned workers, unsigned operations, std:
     }
     made.push_back({call, from, to});
   }
-  std::stable_sort(made.begin(), made.end(),
-                   [](const Made& a, const Made& b) { return a.from < b.from; });
+  std::ranges::stable_sort(made, [](const Made& a, const Made& b) { return a.from < b.from; });
   Sample sample;
   sample.history.logs.resize(workers);
   for (const Made& m : made) {
@@ -462,8 +461,7 @@ std::optional<Calls> by_happens_before(const Sample& sample) {
   };
   for (std::size_t a = 0; a < n; ++a)
     if (before[a][a]) return std::nullopt;
-  std::stable_sort(stand.begin(), stand.end(),
-                   [&](std::size_t a, std::size_t b) { return past(a) < past(b); });
+  std::ranges::stable_sort(stand, [&](std::size_t a, std::size_t b) { return past(a) < past(b); });
   std::vector<Call> calls;
   for (const std::size_t i : stand) calls.push_back(sample.calls[i]);
   return ordered(calls, sample.history.drain.size(),
