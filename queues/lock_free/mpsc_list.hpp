@@ -5,8 +5,9 @@
 /// producer may be stopped in the middle of a push, for then the tasks pushed after its own are not
 /// seen until it goes on.
 ///
-/// Ordering: FIFO in real time; *empty* may stand for a push in flight. Progress: push wait-free,
-/// apart from the allocator; pop wait-free. Memory: one node per task, deleted at once. Unbounded.
+/// Ordering: FIFO by happens-before; *empty* may stand for a push in flight. Progress: push
+/// wait-free, apart from the allocator; pop wait-free. Memory: one node per task, deleted at once.
+/// Unbounded.
 ///
 /// How it works: a push takes its turn by exchanging the newest node for its own, and then links
 /// the two. Between these steps the list is in two parts, and the consumer sees the older one. The
@@ -25,7 +26,7 @@ template <class T>
 class MpscList {
  public:
   static constexpr std::string_view summary = "many producers, one consumer: Vyukov's list";
-  static constexpr Claims claims{.ordering = Ordering::fifo_real_time,
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .push = Progress::wait_free,
                                  .pop = Progress::wait_free,
                                  .empty = Answer::calls_in_flight,

@@ -43,7 +43,8 @@ class SpmcRing {
   bool push(unsigned /*worker*/, T task) {
     // relaxed: only the producer writes it
     const std::size_t pushed = pushed_.load(std::memory_order_relaxed);
-    // (1) acquire: pairs with (4), so that the place is filled after it was read
+    // (1) acquire: pairs with (4), so that the place is filled after it was read. (The checker
+    // knows no load buffering, and proves the queue without.)
     if (pushed - popped_.load(std::memory_order_acquire) >= places_.size()) return false;
     // relaxed: (2) publishes it
     places_[pushed % places_.size()].store(task, std::memory_order_relaxed);
@@ -54,17 +55,19 @@ class SpmcRing {
 
   /// Takes the oldest task; false if it sees none. Lock-free.
   bool pop(unsigned /*worker*/, T& task) {
-    // relaxed, here and below: an old count makes the exchange fail
-    std::size_t popped = popped_.load(std::memory_order_relaxed);
+    // (5) acquire: pairs with (4), so that no element is missed whose push came before a pop that
+    // is seen here
+    std::size_t popped = popped_.load(std::memory_order_acquire);
     for (;;) {
       // (3) acquire: pairs with (2)
       const std::size_t pushed = pushed_.load(std::memory_order_acquire);
-      // Not equality: another consumer may have seen a newer count than this one.
-      if (static_cast<std::ptrdiff_t>(pushed - popped) <= 0) return false;
+      if (pushed == popped) return false;
+      // relaxed: (3) orders it, and one that is filled again by then is not taken
       const T taken = places_[popped % places_.size()].load(std::memory_order_relaxed);
-      // (4) release: pairs with (1). relaxed on failure: the new count is looked at again
+      // (4) release: pairs with (1), (5) and (6)
+      // (6) acquire: pairs with (4), as (5) does, where somebody else took the task
       if (popped_.compare_exchange_strong(popped, popped + 1, std::memory_order_release,
-                                          std::memory_order_relaxed)) {
+                                          std::memory_order_acquire)) {
         task = taken;
         return true;
       }
