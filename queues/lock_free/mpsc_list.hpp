@@ -48,7 +48,8 @@ class MpscList {
   /// Adds `task` at the back. Wait-free. Always true.
   bool push(unsigned /*worker*/, T task) {
     Node* node = new Node{task};
-    // (1) acq_rel: pairs with itself in the next push, which writes to the node that this one made
+    // (1) acq_rel: pairs with this very line of mpsc_list.hpp in the next push, which writes to the
+    // node that this one made
     Node* last = newest_.exchange(node, std::memory_order_acq_rel);
     // (2) release: pairs with (3), so that the task is read as written
     last->next.store(node, std::memory_order_release);

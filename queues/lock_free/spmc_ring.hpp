@@ -65,7 +65,7 @@ class SpmcRing {
       // relaxed: (3) orders it, and one that is filled again by then is not taken
       const T taken = places_[popped % places_.size()].load(std::memory_order_relaxed);
       // (4) release: pairs with (1), (5) and (6)
-      // (6) acquire: pairs with (4), as (5) does, where somebody else took the task
+      // (6) acquire: pairs with (4), where somebody else took the task
       if (popped_.compare_exchange_strong(popped, popped + 1, std::memory_order_release,
                                           std::memory_order_acquire)) {
         task = taken;
