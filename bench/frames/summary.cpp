@@ -114,6 +114,7 @@ Json run_of(const Group& group, const Background& background, double one_thread_
       {"fps_lower_quartile", measured ? 1 / statistics::quantile(sum.seconds, 0.75) : 0},
       {"fps_upper_quartile", measured ? 1 / statistics::quantile(sum.seconds, 0.25) : 0},
       {"seconds_per_frame", measured ? 1 / fps : 0},
+      {"frame_ms_p99", measured ? statistics::quantile(sum.seconds, 0.99) * 1e3 : 0},
       {"rays_per_frame", rays_per_frame},
       {"rays_per_second", rays_per_frame * fps},
       {"speed_up", one_thread_fps > 0 ? Json(fps / one_thread_fps) : Json()},

@@ -105,6 +105,9 @@ inline constexpr std::array fields{
     figure("fps_lower_quartile", by_render | by_collide),
     figure("fps_upper_quartile", by_render | by_collide),
     figure("seconds_per_frame", by_render),
+    figure("frame_ms_p99", by_render)
+        .plot("the longest frame of a hundred", "ms")
+        .column("frame p99 [ms]"),
     figure("speed_up", by_pictures).plot("speed-up over one thread").column("speed-up"),
     figure("loop_speed_up", by_replay),
     figure("rays_per_frame", by_pictures),

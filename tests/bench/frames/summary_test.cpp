@@ -1,6 +1,8 @@
 #include "bench/frames/summary.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
+#include <span>
 
 #include "tests/bench/fields.hpp"
 
@@ -80,6 +82,14 @@ TEST(Summary, FiguresAreThoseOfTheThesis) {
   EXPECT_DOUBLE_EQ(runs[1]["speed_up"].get<double>(), 2);
   EXPECT_DOUBLE_EQ(runs[2]["speed_up"].get<double>(), 0.5);
   EXPECT_TRUE(summarise(std::span(&samples[1], 1), background)[0]["speed_up"].is_null());
+}
+
+TEST(Summary, AStutterIsSeenThatTheMedianHides) {
+  std::vector<double> seconds(200, 0.01);
+  std::ranges::fill(std::span(seconds).first(3), 0.5);
+  const auto runs = summarise(std::vector{sample("lock", 1, seconds)}, std::vector<Background>(1));
+  EXPECT_DOUBLE_EQ(runs[0]["fps"].get<double>(), 100);
+  EXPECT_DOUBLE_EQ(runs[0]["frame_ms_p99"].get<double>(), 500);
 }
 
 TEST(Summary, ADifferentHashInOneRepetitionIsSeen) {
