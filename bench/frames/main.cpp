@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
+#include <initializer_list>
 #include <list>
 
 #include "bench/frames/commands.hpp"
@@ -41,39 +42,23 @@ class WorkloadArguments {
   WorkloadArguments(CLI::App& command, std::vector<WorkloadOptions>& workloads)
       : command_(command), options_(workloads.front()), workloads_(&workloads) {}
 
-  void add_tracing() {
-    choice("--scene", &WorkloadOptions::scene, "a scene of 'irt list', or a file");
-    choice("--bvh", &WorkloadOptions::bvh, "acceleration structure");
-    choice("--kernel", &WorkloadOptions::kernel, "how a ray is tested against a triangle");
-    choice("--width", &WorkloadOptions::packet_width,
-           "rays per packet: 1, 4, 8 or 16 (default: what the BVH does best)");
-    choice("--isa", &WorkloadOptions::isa,
-           "instruction set: sse4, avx2 or avx512 (default: the best)");
-    choice("--termination", &WorkloadOptions::termination, "when a thread leaves a frame");
-    choice("--task-size", &WorkloadOptions::task_size, "packets of rays per task");
+  // The choices of `tool`, but for some.
+  void add(results::Tools tool, std::initializer_list<std::string_view> without = {}) {
+    visit_choices([&](const Choice& choice, auto member) {
+      const std::string_view key = choice.key.name;
+      if (choice.option != nullptr && (results::find(key)->by & tool) != 0 &&
+          std::ranges::find(without, key) == without.end()) {
+        add(choice, member);
+      }
+    });
     command_.add_flag("--pin", options_.pin, "bind each thread to a core");
-  }
-
-  void add_task_system() {
-    choice("--task-system", &WorkloadOptions::task_system, "who runs the tasks");
-  }
-
-  void add_picture() {
-    choice("--frame-buffer", &WorkloadOptions::frame_buffer, "where contributions meet");
-    choice("--shader", &WorkloadOptions::shader, "what light does");
-    choice("--secondary", &WorkloadOptions::secondary, "how whitted's secondary rays travel");
+    if ((tool & results::by_pictures) == 0) return;
     command_
         .add_option_function<std::string>(
             "--size", [this](const std::string& text) { parse_size(text, options_); },
             "picture in pixels")
         ->default_str("300x300");
-    depth_ = choice("--depth", &WorkloadOptions::depth, "bounces after which a path ends");
-    choice("--samples-per-pixel", &WorkloadOptions::samples_per_pixel, "primary rays per pixel");
-  }
-
-  void add_animation() {
-    choice("--animate", &WorkloadOptions::animate, "what moves, frame by frame (default: nothing)");
-    choice("--update", &WorkloadOptions::update, "how the BVH follows (default: auto)");
+    depth_ = command_.get_option("--depth");
   }
 
   // Once the command line is read, makes every combination of the lists a workload. Throws
@@ -98,24 +83,25 @@ class WorkloadArguments {
   using Expansion = std::function<void(const WorkloadOptions& one, std::vector<WorkloadOptions>&)>;
 
   template <class T>
-  CLI::Option* choice(const char* name, T WorkloadOptions::*field, const char* description) {
+  void add(const Choice& choice, T WorkloadOptions::*member) {
     if (workloads_ == nullptr) {
-      return command_.add_option(name, options_.*field, description)->capture_default_str();
+      command_.add_option(choice.option, options_.*member, choice.description)
+          ->capture_default_str();
+      return;
     }
     CLI::Option* option = command_.add_option_function<std::vector<T>>(
-        name,
-        [this, field](const std::vector<T>& values) {
-          expansions_.push_back([field, values](const WorkloadOptions& one, auto& all) {
+        choice.option,
+        [this, member](const std::vector<T>& values) {
+          expansions_.push_back([member, values](const WorkloadOptions& one, auto& all) {
             for (const T& value : values) {
               all.push_back(one);
-              all.back().*field = value;
+              all.back().*member = value;
             }
           });
         },
-        std::string(description) + "; or a list");
+        std::string(choice.description) + "; or a list");
     option->delimiter(',');
-    if constexpr (std::is_integral_v<T>) option->default_str(std::to_string(options_.*field));
-    return option;
+    if constexpr (std::is_integral_v<T>) option->default_str(std::to_string(options_.*member));
   }
 
   CLI::App& command_;
@@ -147,10 +133,7 @@ struct Shared {
 void add_render(CLI::App& app, Shared& shared, RenderOptions& options) {
   CLI::App& command = *app.add_subcommand("render", "render a scene with one queue");
   WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workload);
-  workload.add_tracing();
-  workload.add_task_system();
-  workload.add_picture();
-  workload.add_animation();
+  workload.add(results::by_render);
   command.add_option("--queue", options.queue, "work queue");
   command.add_option("--threads", options.threads, "render threads (default: all)")
       ->check(thread_range);
@@ -190,10 +173,7 @@ std::vector<std::string> given(const CLI::App& command) {
 void add_compare(CLI::App& app, Shared& shared, CompareOptions& options) {
   CLI::App& command = *app.add_subcommand("compare", "compare queues and thread counts");
   WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workloads);
-  workload.add_tracing();
-  workload.add_task_system();
-  workload.add_picture();
-  workload.add_animation();
+  workload.add(results::by_render);
   command
       .add_option("--queue,--queues", options.queues,
                   "work queues (default: six of them, and plug-ins)")
@@ -248,8 +228,7 @@ void add_collide(CLI::App& app, Shared& shared, CollideOptions& options) {
   CLI::App& command = *app.add_subcommand(
       "collide", "another application of the engine: particles that run into a scene");
   WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workload);
-  workload.add_tracing();
-  workload.add_task_system();
+  workload.add(results::by_collide);
   command.add_option("--queue", options.queue, "work queue");
   command.add_option("--threads", options.threads, "threads (default: all)")->check(thread_range);
   command.add_option("--particles", options.particles, "how many fly about")
@@ -266,8 +245,7 @@ void add_collide(CLI::App& app, Shared& shared, CollideOptions& options) {
 void add_overhead(CLI::App& app, Shared& shared, OverheadOptions& options) {
   CLI::App& command = *app.add_subcommand("overhead", "what measuring and type erasure cost");
   WorkloadArguments& workload = shared.arguments.emplace_back(command, options.workload);
-  workload.add_tracing();
-  workload.add_picture();
+  workload.add(results::by_render, {"task_system", "animate", "update"});
   command.add_option("--threads", options.threads, "render threads")
       ->capture_default_str()
       ->check(thread_range);

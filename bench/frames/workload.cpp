@@ -1,7 +1,6 @@
 #include "bench/frames/workload.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <fmt/format.h>
 #include <string_view>
@@ -132,24 +131,27 @@ void require_bounces(const WorkloadOptions& options) {
 }
 
 void to_json(nlohmann::json& json, const WorkloadOptions& options) {
-  visit_choices(options,
-                [&](results::Key key, const auto& value) { json[std::string(key.name)] = value; });
+  visit_choices([&](const Choice& choice, auto member) {
+    json[std::string(choice.key.name)] = options.*member;
+  });
   json["pin"] = options.pin;
 }
 
 void from_json(const nlohmann::json& json, WorkloadOptions& options) {
-  visit_choices(options, [&](results::Key key, auto& value) {
-    json.at(std::string(key.name)).get_to(value);
+  // What an older file does not have was then as it is by default now.
+  visit_choices([&](const Choice& choice, auto member) {
+    const auto found = json.find(std::string(choice.key.name));
+    if (found != json.end()) found->get_to(options.*member);
   });
   json.at("pin").get_to(options.pin);
 }
 
 void add_choices(nlohmann::ordered_json& run, const WorkloadOptions& options, results::Tools tool) {
-  constexpr std::array<std::string_view, 4> left_open{"packet_width", "isa", "animate", "update"};
-  visit_choices(options, [&]<class T>(results::Key key, const T& value) {
-    if ((results::find(key.name)->by & tool) == 0) return;
-    const bool open = value == T() && std::ranges::find(left_open, key.name) != left_open.end();
-    run[std::string(key.name)] = open ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+  visit_choices([&]<class T>(const Choice& choice, T WorkloadOptions::*member) {
+    if ((results::find(choice.key.name)->by & tool) == 0) return;
+    const T& value = options.*member;
+    run[std::string(choice.key.name)] =
+        choice.open && value == T() ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
   });
 }
 

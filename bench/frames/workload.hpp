@@ -32,26 +32,41 @@ struct WorkloadOptions {
   bool pin = false;
 };
 
-/// Calls `visit(key, member)` for every choice, by the key of its field in results.
-template <class Options, class Visitor>
-void visit_choices(Options& options, const Visitor& visit) {
-  visit(results::Key("scene"), options.scene);
-  visit(results::Key("bvh"), options.bvh);
-  visit(results::Key("kernel"), options.kernel);
-  visit(results::Key("packet_width"), options.packet_width);
-  visit(results::Key("isa"), options.isa);
-  visit(results::Key("task_system"), options.task_system);
-  visit(results::Key("frame_buffer"), options.frame_buffer);
-  visit(results::Key("termination"), options.termination);
-  visit(results::Key("shader"), options.shader);
-  visit(results::Key("secondary"), options.secondary);
-  visit(results::Key("animate"), options.animate);
-  visit(results::Key("update"), options.update);
-  visit(results::Key("task_size"), options.task_size);
-  visit(results::Key("width"), options.width);
-  visit(results::Key("height"), options.height);
-  visit(results::Key("depth"), options.depth);
-  visit(results::Key("samples_per_pixel"), options.samples_per_pixel);
+/// A choice of a workload, to results and to the command line.
+struct Choice {
+  results::Key key;
+  const char* option = nullptr;  ///< null: what asks for it asks for more
+  const char* description = nullptr;
+  bool open = false;  ///< its default leaves it to others: null in results
+};
+
+/// Calls `visit(choice, member)` for every choice. A tool asks for those that the table of fields
+/// says it writes.
+template <class Visitor>
+void visit_choices(const Visitor& visit) {
+  using W = WorkloadOptions;
+  visit(Choice{"scene", "--scene", "a scene of 'irt list', or a file"}, &W::scene);
+  visit(Choice{"bvh", "--bvh", "acceleration structure"}, &W::bvh);
+  visit(Choice{"kernel", "--kernel", "how a ray is tested against a triangle"}, &W::kernel);
+  visit(Choice{"packet_width", "--width",
+               "rays per packet: 1, 4, 8 or 16 (default: what the BVH does best)", true},
+        &W::packet_width);
+  visit(Choice{"isa", "--isa", "instruction set: sse4, avx2 or avx512 (default: the best)", true},
+        &W::isa);
+  visit(Choice{"task_system", "--task-system", "who runs the tasks"}, &W::task_system);
+  visit(Choice{"frame_buffer", "--frame-buffer", "where contributions meet"}, &W::frame_buffer);
+  visit(Choice{"termination", "--termination", "when a thread leaves a frame"}, &W::termination);
+  visit(Choice{"shader", "--shader", "what light does"}, &W::shader);
+  visit(Choice{"secondary", "--secondary", "how whitted's secondary rays travel"}, &W::secondary);
+  visit(Choice{"animate", "--animate", "what moves, frame by frame (default: nothing)", true},
+        &W::animate);
+  visit(Choice{"update", "--update", "how the BVH follows (default: auto)", true}, &W::update);
+  visit(Choice{"task_size", "--task-size", "packets of rays per task"}, &W::task_size);
+  visit(Choice{"width"}, &W::width);
+  visit(Choice{"height"}, &W::height);
+  visit(Choice{"depth", "--depth", "bounces after which a path ends"}, &W::depth);
+  visit(Choice{"samples_per_pixel", "--samples-per-pixel", "primary rays per pixel"},
+        &W::samples_per_pixel);
 }
 
 /// For journals.

@@ -49,17 +49,17 @@ TEST(SamePicture, ChoicesThatDoNotShowGiveItToTheLastBit) {
   EXPECT_TRUE(same_picture(options, options));
   const std::string hash = hash_of(options);
   std::size_t choices = 0;
-  visit_choices(options, [&](results::Key key, const auto& /*value*/) {
+  visit_choices([&](const Choice& choice, auto) {
+    const std::string name(choice.key.name);
     ++choices;
-    SCOPED_TRACE(key.name);
+    SCOPED_TRACE(name);
     nlohmann::json changed = usual();
-    const std::string name(key.name);
     ASSERT_TRUE(others.contains(name)) << "a new choice needs another value here";
     changed[name] = others.at(name);
     if (changed == usual()) return;
     const auto other = changed.get<WorkloadOptions>();
-    EXPECT_EQ(same_picture(options, other), !results::find(key.name)->seen);
-    if (!results::find(key.name)->seen) {
+    EXPECT_EQ(same_picture(options, other), !results::find(name)->seen);
+    if (!results::find(name)->seen) {
       EXPECT_EQ(hash_of(other), hash);
     }
   });
