@@ -177,6 +177,10 @@ Workload::Workload(const WorkloadOptions& options) : options_(options) {
   const auto begin = std::chrono::steady_clock::now();
   scene_ = load_scene(options_.scene);
   load_s_ = seconds_since(begin);
+  if (options_.lights != 0) {
+    check_range("--lights", options_.lights, 1, scene_.lights.size());
+    scene_.lights.resize(options_.lights);
+  }
   const ShaderEntry& shader = entry_of(shaders(), options_.shader, "shader");
   check_memory(options_, shader.rays_per_hit(scene_));
   const auto loaded = std::chrono::steady_clock::now();

@@ -29,6 +29,7 @@ struct WorkloadOptions {
   std::uint32_t width = 300, height = 300;  ///< pixels
   std::uint32_t depth = 4;                  ///< bounces
   std::uint32_t samples_per_pixel = 1;
+  std::uint32_t lights = 0;  ///< the scene's first so many shine; 0: all
   bool pin = false;
 };
 
@@ -67,6 +68,8 @@ void visit_choices(const Visitor& visit) {
   visit(Choice{"depth", "--depth", "bounces after which a path ends"}, &W::depth);
   visit(Choice{"samples_per_pixel", "--samples-per-pixel", "primary rays per pixel"},
         &W::samples_per_pixel);
+  visit(Choice{"lights", "--lights", "the scene's first so many lights shine (default: all)", true},
+        &W::lights);
 }
 
 /// For journals.

@@ -40,6 +40,7 @@ inline constexpr std::array fields{
     choice("width", by_pictures, "width", "pixels").in_picture().over(),
     choice("height", by_pictures, "height", "pixels").in_picture().following(),
     choice("depth", by_pictures, "depth").in_picture().over(),
+    choice("lights", by_pictures, "lights").in_picture().over(),
     choice("particles", by_collide, "particles").over(),
     choice("bvh", by_frames, "BVH"),
     choice("kernel", by_frames, "kernel").in_picture(),

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "queues/registry.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::frames {
 namespace {
@@ -25,6 +26,20 @@ std::string hash_of(const WorkloadOptions& options) {
   return workload.image_hash();
 }
 
+std::uint64_t rays_of(std::uint32_t lights) {
+  auto options = usual().get<WorkloadOptions>();
+  options.lights = lights;
+  Workload workload(options);
+  const auto engine = workload.start_engine(workload.engine_options(2), built_in_queues().front());
+  return engine->run(workload.application()).rays();
+}
+
+TEST(Lights, FewerMeanFewerRays) {
+  EXPECT_LT(rays_of(1), rays_of(3));
+  EXPECT_EQ(rays_of(4), rays_of(0)) << "the office has four";
+  EXPECT_THROW(rays_of(5), UsageError);
+}
+
 // Another value for every choice; where the build has no other there is nothing to compare.
 const std::map<std::string, nlohmann::json> others{{"scene", "bunny"},
                                                    {"bvh", "wald"},
@@ -42,7 +57,8 @@ const std::map<std::string, nlohmann::json> others{{"scene", "bunny"},
                                                    {"width", 25},
                                                    {"height", 25},
                                                    {"depth", 1},
-                                                   {"samples_per_pixel", 2}};
+                                                   {"samples_per_pixel", 2},
+                                                   {"lights", 1}};
 
 TEST(SamePicture, ChoicesThatDoNotShowGiveItToTheLastBit) {
   const auto options = usual().get<WorkloadOptions>();
