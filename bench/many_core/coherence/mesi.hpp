@@ -12,7 +12,8 @@
 /// was last used), and `start` the moment when the line serves it:
 ///
 ///     done = start + (1 - overlap) L + (conflict, if others wait)
-///     a read leaves the line busy until `done` if an owner gave it, else for `read_occupancy`
+///     a read leaves the line busy until `done` if an owner gave it, and for its `write_back` if
+///       that had changed it, else for `read_occupancy`
 ///     ownership also waits for the farthest sharer to give up its copy, and for every other one
 ///       `invalidate_per_sharer`; it leaves the line busy until the operation is done, and for its
 ///       `residence` at least, in which the owner's further operations are hits
@@ -128,7 +129,7 @@ class Mesi {
       line.share_with(line.owner);
       line.share_with(core);
       line.owner = nobody;
-      line.available = done;
+      line.available = done + (line.written != 0 ? write_back_ : 0);
     } else if (line.is_invalid() && line.only_mine) {
       line.owner = core;
       line.available = done;
@@ -144,7 +145,7 @@ class Mesi {
   // By distance: of a line with an owner, of a clean copy; the same with the home elsewhere.
   std::array<std::array<Way, distances>, 4> ways_{};
   Way from_memory_;
-  Time conflict_, residence_, read_occupancy_, per_sharer_, far_, bus_;
+  Time conflict_, residence_, read_occupancy_, write_back_, per_sharer_, far_, bus_;
   std::vector<Time> bus_free_;  // by socket
 };
 
@@ -154,6 +155,7 @@ inline Mesi::Mesi(const Profile& p, std::uint64_t seed)
       conflict_(picoseconds(p.conflict)),
       residence_(picoseconds(p.residence)),
       read_occupancy_(picoseconds(p.read_occupancy)),
+      write_back_(picoseconds(p.write_back)),
       per_sharer_(picoseconds(p.invalidate_per_sharer)),
       far_(picoseconds(p.far_atomic)),
       bus_(picoseconds(p.bus_occupancy)),

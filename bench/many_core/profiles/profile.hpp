@@ -76,6 +76,7 @@ struct Profile {
   /// follow at once are hits.
   double residence = 0;
   double read_occupancy = 0;  ///< how long a read keeps the line's home busy
+  double write_back = 0;      ///< added to that of a modified line, which goes to memory, too
   double invalidate_per_sharer = 0;
   double bypass = 0;         ///< requests of the owner's socket that may overtake another socket's
   double turns = 1;          ///< 1: of those that wait all are served before one is again; 0: any

@@ -7,7 +7,8 @@ namespace irt::many_core {
 namespace {
 
 constexpr Time transfer = 50 * nanosecond, answer = 50 * nanosecond, per_sharer = 3 * nanosecond;
-constexpr Time occupancy = 10 * nanosecond, far = 20 * nanosecond, hit = 5 * nanosecond;
+constexpr Time occupancy = 10 * nanosecond, write_back = 40 * nanosecond;
+constexpr Time far = 20 * nanosecond, hit = 5 * nanosecond;
 constexpr Time tenth = 5 * nanosecond;  // by which legs vary
 
 // Four cores around one cache; a request takes no time to get to the line.
@@ -18,6 +19,7 @@ Profile four_cores() {
   profile.shared_fetch = 1;
   profile.dram = 100;
   profile.read_occupancy = 10;
+  profile.write_back = 40;
   profile.invalidate_per_sharer = 3;
   profile.far_atomic = 20;
   return profile;
@@ -53,6 +55,14 @@ TEST_F(MesiTest, a_read_leaves_the_owner_a_copy) {
   EXPECT_EQ(line_.owner, nobody);
   EXPECT_TRUE(line_.held_by(0) && line_.held_by(1));
   EXPECT_EQ(line_.available, done);
+}
+
+TEST_F(MesiTest, what_a_read_finds_modified_is_written_back_first) {
+  serve(0, Want::ownership);
+  line_.written = 1;
+  const Time done = serve(1, Want::copy);
+  EXPECT_NEAR(static_cast<double>(done), transfer, tenth) << "the reader does not wait for that";
+  EXPECT_EQ(line_.available, done + write_back);
 }
 
 TEST_F(MesiTest, reads_of_a_clean_line_keep_it_busy_only_for_a_while) {
