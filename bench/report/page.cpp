@@ -99,7 +99,7 @@ std::string page_of(const Results& results, std::span<const Panel> panels) {
 
   std::string page = page_html;
   fill(page, "/*STYLE*/", page_css);
-  fill(page, "/*SCRIPT*/", page_js);
+  fill(page, "/*SCRIPT*/", std::string(plots_js) + page_js);
   fill(page, "/*DATA*/", data_text(data));  // last: nothing is looked for in what it holds
   return page;
 }
