@@ -74,6 +74,40 @@ std::vector<HardwareEvent> with_perf_names(std::vector<HardwareEvent> events) {
   return events;
 }
 
+/// What counts beside the threads, over all turns.
+class Meters {
+ public:
+  void start() {
+    energy_.start();
+    counters_.start();
+  }
+  void stop() {
+    counters_.stop();
+    if (const auto joules = energy_.joules()) joules_ = joules_.value_or(0) + *joules;
+  }
+  void read_into(Sample& sample) const {
+    sample.counters = counters_.read();
+    if (joules_) sample.energy_joules = *joules_;
+    const std::string& uncounted =
+        counters_.missing().empty() ? named_.missing : counters_.missing();
+    for (const std::string& why : {energy_.missing(), uncounted}) {
+      if (!why.empty()) sample.missing.push_back(why);
+    }
+  }
+
+ private:
+  EnergyMeter energy_;
+  EventsByName named_ = events_by_name();
+  HardwareCounters counters_{with_perf_names(named_.events)};
+  std::optional<double> joules_;
+};
+
+/// How far threads have come that wait for each other.
+struct Muster {
+  std::atomic<unsigned> present{0}, finished{0};
+  std::atomic<bool> go{false};
+};
+
 class Measurement {
  public:
   Measurement(const Job& job, const SubjectMaker& make)
@@ -110,14 +144,15 @@ class Measurement {
       std::this_thread::sleep_for(Seconds(job_.settling_seconds));
       turn();
     }
-    sum_up();
+    sample_.fairness = fairness(table_.roles, operations_);
+    meters_.read_into(sample_);
     await_turn();
     table_.stop.store(true, std::memory_order_relaxed);
     if (!stopped_in_time()) {
       sample_.status = "hung";
       sample_.message =
-          fmt::format("{} of {} threads did not stop within {} s", job_.threads - finished_.load(),
-                      job_.threads, job_.patience_seconds);
+          fmt::format("{} of {} threads did not stop within {} s",
+                      job_.threads - muster_.finished.load(), job_.threads, job_.patience_seconds);
       on_hang(sample_);
     }
     for (std::thread& thread : threads_) thread.join();
@@ -166,11 +201,11 @@ class Measurement {
     for (unsigned i = 0; i < job_.threads; ++i) {
       threads_.emplace_back([this, i] { one_thread(i); });
     }
-    while (present_.load(std::memory_order_relaxed) < job_.threads) {
+    while (muster_.present.load(std::memory_order_relaxed) < job_.threads) {
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
     // (1) release: pairs with (2), so that threads see the queue as it was made and filled
-    go_.store(true, std::memory_order_release);
+    muster_.go.store(true, std::memory_order_release);
   }
 
   void one_thread(unsigned i) {
@@ -179,9 +214,9 @@ class Measurement {
       const std::lock_guard lock(sample_mutex_);
       if (!why.empty()) sample_.not_pinned = why;
     }
-    present_.fetch_add(1, std::memory_order_relaxed);
+    muster_.present.fetch_add(1, std::memory_order_relaxed);
     // (2) acquire: pairs with (1)
-    while (!go_.load(std::memory_order_acquire)) std::this_thread::yield();
+    while (!muster_.go.load(std::memory_order_acquire)) std::this_thread::yield();
     try {
       subject_->run(scenario_.program, *seats_[i], stamped());
     } catch (const std::exception& error) {
@@ -195,7 +230,7 @@ class Measurement {
       sample_.events += events_of_this_thread();
     }
     // (3) release: pairs with (4), so that the coordinator may free what this thread used
-    finished_.fetch_add(1, std::memory_order_release);
+    muster_.finished.fetch_add(1, std::memory_order_release);
   }
 
   void warm_up() {
@@ -220,15 +255,13 @@ class Measurement {
   }
 
   void turn() {
-    energy_.start();
-    counters_.start();
+    meters_.start();
     const Usage usage = usage_so_far(threads_);
     const Snapshot begin = look(table_);
     std::this_thread::sleep_until(begin.at + Seconds(job_.seconds / job_.turns));
     const Usage now = usage_so_far(threads_);
     const Snapshot end = look(table_);
-    counters_.stop();
-    if (const auto joules = energy_.joules()) joules_ = joules_.value_or(0) + *joules;
+    meters_.stop();
 
     sample_.seconds += Seconds(end.at - begin.at).count();
     for (std::uint64_t Sample::*count : {&Sample::pushes, &Sample::pops, &Sample::failed_pushes,
@@ -242,21 +275,10 @@ class Measurement {
     sample_.context_switches += now.context_switches - usage.context_switches;
   }
 
-  void sum_up() {
-    sample_.fairness = fairness(table_.roles, operations_);
-    sample_.counters = counters_.read();
-    if (joules_) sample_.energy_joules = *joules_;
-    const std::string& uncounted =
-        counters_.missing().empty() ? named_.missing : counters_.missing();
-    for (const std::string& why : {energy_.missing(), uncounted}) {
-      if (!why.empty()) sample_.missing.push_back(why);
-    }
-  }
-
   bool stopped_in_time() const {
     const Clock::time_point begin = Clock::now();
     // (4) acquire: pairs with (3)
-    while (finished_.load(std::memory_order_acquire) < job_.threads) {
+    while (muster_.finished.load(std::memory_order_acquire) < job_.threads) {
       if (since(begin) > job_.patience_seconds) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -313,15 +335,11 @@ class Measurement {
   Table table_;
   std::vector<std::unique_ptr<Seat>> seats_;
   std::vector<std::uint64_t> operations_;  // by thread, of all turns
-  std::optional<double> joules_;
   std::optional<MemoryUse> memory_;
   std::unique_ptr<Subject> subject_;
-  EnergyMeter energy_;
-  EventsByName named_ = events_by_name();
-  HardwareCounters counters_{with_perf_names(named_.events)};
+  Meters meters_;
   std::vector<std::thread> threads_;
-  std::atomic<unsigned> present_{0}, finished_{0};
-  std::atomic<bool> go_{false};
+  Muster muster_;
   std::mutex sample_mutex_;
   std::uint64_t prefilled_ = 0, prefilled_sum_ = 0;
   double ticks_per_nanosecond_ = 1;

@@ -61,6 +61,26 @@ struct alignas(line_bytes) Worker {
   Tally pushes, pops;
 };
 
+// Of all threads; it takes no accesses, for it is none of the queue's.
+class Barrier {
+ public:
+  // False, to all alike, once time is up.
+  bool pass(Machine& machine, unsigned threads) {
+    const unsigned mine = passed_;
+    if (++arrived_ == threads) {
+      arrived_ = 0;
+      ended_ = machine.over();
+      ++passed_;
+    }
+    while (passed_ == mine) machine.idle(look_ns);
+    return !ended_;
+  }
+
+ private:
+  unsigned arrived_ = 0, passed_ = 0;
+  bool ended_ = false;
+};
+
 class Run {
  public:
   Run(const Profile& profile, const Point& point, std::uint64_t seed)
@@ -199,9 +219,7 @@ class Run {
   std::int64_t backlog_ = std::numeric_limits<std::int64_t>::max();
   const Contended* primitive_ = nullptr;
   void* object_ = nullptr;
-  // A barrier of all threads; it takes no accesses, for it is none of the queue's.
-  unsigned arrived_ = 0, barriers_ = 0;
-  bool ended_ = false;
+  Barrier barrier_;
 };
 
 // Operations succeed, are counted and take their time as `attempt` says.
@@ -242,16 +260,7 @@ class Run::Hand {
     const double pause = run_.point_.scenario->producer_pause_ns;
     if (pause > 0) run_.machine_.work(pause * vary(me_));
   }
-  bool meet() {
-    const unsigned mine = run_.barriers_;
-    if (++run_.arrived_ == run_.point_.threads) {
-      run_.arrived_ = 0;
-      run_.ended_ = run_.machine_.over();
-      ++run_.barriers_;
-    }
-    while (run_.barriers_ == mine) run_.machine_.idle(look_ns);
-    return !run_.ended_;
-  }
+  bool meet() { return run_.barrier_.pass(run_.machine_, run_.point_.threads); }
   contention::Burst burst() const {
     return {.size = static_cast<unsigned>(run_.burst_), .works_after_each = true};
   }
