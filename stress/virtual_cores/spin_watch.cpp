@@ -95,6 +95,60 @@ class State {
   std::unique_ptr<char[]> stack_;
 };
 
+/// Whether a state comes back, by one that is marked and replaced after ever longer.
+class Cycle {
+ public:
+  explicit Cycle(std::size_t stack_bytes) : mark_(stack_bytes) {}
+
+  void begin() {
+    since_ = power_ = 0;
+    pure_ = inside_ = false;
+  }
+
+  /// The next instruction is at `pc`, the code's `own` or one that it has called. True if the state
+  /// is that of the mark, and nothing but computation lies between.
+  bool closes(const ucontext_t& context, std::uintptr_t pc, bool own, Range stack) {
+    if (!own && inside_) pure_ = pure_ && is_neutral(pc);
+    inside_ = own;
+    if (own && look(context, pc, stack)) return true;
+    ++since_;
+    return false;
+  }
+
+  /// The first instruction of the frame that calls all others in it.
+  [[nodiscard]] std::uintptr_t place() const { return place_; }
+
+ private:
+  bool look(const ucontext_t& context, std::uintptr_t pc, Range stack) {
+    const auto top = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RSP]);
+    if (top < stack.begin + red_zone || top > stack.end) {
+      pure_ = false;
+      return false;
+    }
+    const bool again = power_ != 0 && mark_.is(context, stack.end);
+    if (again && pure_) return true;
+    if (again || since_ >= power_) {
+      mark_.take(context, stack.end);
+      power_ = std::max(2 * power_, 1U);
+      since_ = 0;
+      pure_ = true;
+      place_ = outermost_ = 0;
+    }
+    if (top > outermost_ || (top == outermost_ && pc < place_)) {
+      outermost_ = top;
+      place_ = pc;
+    }
+    pure_ = pure_ && only_computes(context, stack);
+    return false;
+  }
+
+  State mark_;
+  unsigned since_ = 0, power_ = 0;  ///< instructions, and after how many a mark is replaced
+  bool pure_ = false;               ///< since the mark
+  std::uintptr_t place_ = 0, outermost_ = 0;
+  bool inside_ = false;  ///< the last instruction was the code's own
+};
+
 struct Report {
   std::uintptr_t pc = 0;
   bool endless = false;
@@ -109,7 +163,7 @@ struct Report {
 }  // namespace
 
 struct SpinWatch::Search {
-  explicit Search(const Cores& c) : cores(c), mark(c.stack_bytes()) {}
+  explicit Search(const Cores& c) : cores(c), cycle(c.stack_bytes()) {}
 
   const Cores& cores;
   unsigned core = host;
@@ -119,14 +173,7 @@ struct SpinWatch::Search {
   unsigned instructions = 0;  ///< ... through so many
   bool searching = false;
   unsigned made = 0;
-  // Since the mark:
-  State mark;
-  unsigned since = 0;
-  unsigned power = 0;
-  bool pure = false;
-  std::uintptr_t place = 0;      ///< the first instruction of the ...
-  std::uintptr_t outermost = 0;  ///< ... frame that calls all others
-  bool inside = false;           ///< the last instruction was the code's own
+  Cycle cycle;
 
   static Search* running;
   struct sigaction before {};
@@ -154,8 +201,8 @@ struct SpinWatch::Search {
     searching = true;
     next *= 2;
     instructions = std::min(2 * instructions, most_instructions);
-    made = since = power = 0;
-    pure = inside = false;
+    made = 0;
+    cycle.begin();
     context.uc_mcontext.gregs[REG_EFL] |= trap_flag;
   }
 
@@ -178,37 +225,10 @@ struct SpinWatch::Search {
     const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
     const bool own = is_code_of_a_module(pc);
     ++made;
-    if (!own && inside) pure = pure && is_neutral(pc);
-    inside = own;
-    if (own && look(context, pc)) return conclude(context, place, true);
-    ++since;
+    const std::uintptr_t bottom = cores.stack_of(core);
+    if (cycle.closes(context, pc, own, {bottom, bottom + cores.stack_bytes()}))
+      return conclude(context, cycle.place(), true);
     if (made == instructions) end(context);
-  }
-
-  /// True if the state is that of the mark, and nothing but computation lies between.
-  bool look(const ucontext_t& context, std::uintptr_t pc) {
-    const std::uintptr_t begin = cores.stack_of(core);
-    const Range stack{begin, begin + cores.stack_bytes()};
-    const auto top = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RSP]);
-    if (top < stack.begin + red_zone || top > stack.end) {
-      pure = false;
-      return false;
-    }
-    const bool again = power != 0 && mark.is(context, stack.end);
-    if (again && pure) return true;
-    if (again || since >= power) {
-      mark.take(context, stack.end);
-      power = std::max(2 * power, 1U);
-      since = 0;
-      pure = true;
-      place = outermost = 0;
-    }
-    if (top > outermost || (top == outermost && pc < place)) {
-      outermost = top;
-      place = pc;
-    }
-    pure = pure && only_computes(context, stack);
-    return false;
   }
 
   static void on_tick(int, siginfo_t*, void* context) {
