@@ -95,7 +95,7 @@ class Answers {
   Answers(const Calls& calls, const Fates& fates, const Specification& specification)
       : calls_(calls), fates_(fates), specification_(specification) {}
 
-  std::optional<Breach> judge() const {
+  [[nodiscard]] std::optional<Breach> judge() const {
     for (std::size_t i = 0; i < calls_.all().size(); ++i) {
       const Call& call = calls_.all()[i];
       if (call.no_effect) continue;
@@ -107,11 +107,11 @@ class Answers {
   }
 
  private:
-  bool in_flight_during(std::size_t a, std::size_t b) const {
+  [[nodiscard]] bool in_flight_during(std::size_t a, std::size_t b) const {
     return a != b && !calls_.precedes(a, b) && !calls_.precedes(b, a);
   }
 
-  InFlight around(std::size_t at) const {
+  [[nodiscard]] InFlight around(std::size_t at) const {
     InFlight around;
     std::set<unsigned> refused;
     for (std::size_t i = 0; i < calls_.all().size(); ++i) {
@@ -128,7 +128,7 @@ class Answers {
   }
 
   // With the most elements that can have been inside. An exact answer has to pass the search, too.
-  bool allows_full(std::size_t at) const {
+  [[nodiscard]] bool allows_full(std::size_t at) const {
     std::uint64_t inside = 0;
     for (std::size_t i = 0; i < calls_.all().size(); ++i) {
       const Call& call = calls_.all()[i];
@@ -138,7 +138,7 @@ class Answers {
     return specification_.allows_full(inside, around(at));
   }
 
-  std::optional<Breach> judge_empty(std::size_t at) const {
+  [[nodiscard]] std::optional<Breach> judge_empty(std::size_t at) const {
     InFlight in_flight = around(at);
     for (const auto& [value, fate] : fates_) {
       if (!calls_.precedes(fate.push, at) || !calls_.precedes(at, fate.pop)) continue;
@@ -153,7 +153,7 @@ class Answers {
     return std::nullopt;
   }
 
-  bool found_again(std::size_t at, std::size_t pop) const {
+  [[nodiscard]] bool found_again(std::size_t at, std::size_t pop) const {
     const unsigned worker = calls_.all()[at].worker;
     if (pop == nobody || calls_.all()[pop].worker != worker) return false;
     for (std::size_t i = 0; i < calls_.all().size(); ++i)
@@ -212,7 +212,7 @@ class Search {
     return false;
   }
 
-  bool is_next(std::size_t i) const {
+  [[nodiscard]] bool is_next(std::size_t i) const {
     if ((done_[i / 64] >> i % 64 & 1) != 0) return false;
     const std::vector<std::uint64_t>& past = calls_.past(i);
     for (std::size_t word = 0; word < past.size(); ++word)

@@ -71,8 +71,8 @@ struct Mutex {
   std::uint32_t unused;
   std::uint32_t kind;
 
-  std::uintptr_t address() const { return address_of(&word); }
-  bool recursive() const { return (kind & 3U) == PTHREAD_MUTEX_RECURSIVE; }
+  [[nodiscard]] std::uintptr_t address() const { return address_of(&word); }
+  [[nodiscard]] bool recursive() const { return (kind & 3U) == PTHREAD_MUTEX_RECURSIVE; }
 };
 
 Mutex& mutex_of(pthread_mutex_t* mutex, const void* pc) {

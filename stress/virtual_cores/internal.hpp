@@ -29,8 +29,8 @@ class Asked {
     last_ ^= 1U;
     places_[last_] = place;
   }
-  const Place& last() const { return places_[last_]; }
-  const Place& before() const { return places_[last_ ^ 1U]; }
+  [[nodiscard]] const Place& last() const { return places_[last_]; }
+  [[nodiscard]] const Place& before() const { return places_[last_ ^ 1U]; }
 
  private:
   Place places_[2];

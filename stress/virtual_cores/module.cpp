@@ -60,7 +60,7 @@ class Loading final : public Tenant {
     std::erase_if(blocks_, [block](Range b) { return b.begin == address_of(block); });
     Tenant::release(block, pc);
   }
-  const std::vector<Range>& blocks() const { return blocks_; }
+  [[nodiscard]] const std::vector<Range>& blocks() const { return blocks_; }
 
  private:
   Tenant* before_;

@@ -29,13 +29,13 @@ class QueueModules {
   std::string add(const std::filesystem::path& file);
 
   /// In the order of the alphabet.
-  std::vector<std::string> names() const;
+  [[nodiscard]] std::vector<std::string> names() const;
 
   /// The module of the queue `name`; null if there is none.
-  const std::filesystem::path* find(const std::string& name) const;
+  [[nodiscard]] const std::filesystem::path* find(const std::string& name) const;
 
   /// The same. Throws UsageError that names the nearest one there is.
-  const std::filesystem::path& at(const std::string& name) const;
+  [[nodiscard]] const std::filesystem::path& at(const std::string& name) const;
 
  private:
   std::map<std::string, std::filesystem::path> files_;

@@ -131,9 +131,9 @@ class Tenant {
 
   // Code that only computes; asked and told where a SpinWatch lives, the first two at any moment.
   /// A number that changes with whatever the core in progress does but compute.
-  virtual std::uint64_t beats() const;
+  [[nodiscard]] virtual std::uint64_t beats() const;
   /// Whether it may go on with that for more than `seconds` of the processor's time.
-  virtual bool patient(double seconds) const;
+  [[nodiscard]] virtual bool patient(double seconds) const;
   /// It may not, or it is certain that it never does anything else again (`endless`). Must not
   /// return; the default is a failure.
   virtual void spins(const void* pc, bool endless, double seconds);
@@ -186,12 +186,12 @@ class Cores {
   /// `core` will soon be switched to: loads the top of its stack into the host's first cache.
   void prefetch(unsigned core) const;
 
-  unsigned count() const;
+  [[nodiscard]] unsigned count() const;
   /// The core in progress, or `host`.
-  unsigned current() const { return current_core; }
+  [[nodiscard]] unsigned current() const { return current_core; }
   /// The stack of `core`: lowest address and size in bytes.
-  std::uintptr_t stack_of(unsigned core) const;
-  std::size_t stack_bytes() const;
+  [[nodiscard]] std::uintptr_t stack_of(unsigned core) const;
+  [[nodiscard]] std::size_t stack_bytes() const;
 
  private:
   struct State;
@@ -233,19 +233,19 @@ class Module {
   /// loading. Nobody may have returned such a block to the host's heap.
   void reset_globals();
   /// Its global variables, and the blocks that their constructors allocated.
-  const std::vector<Range>& globals() const;
-  bool owns_global(std::uintptr_t address) const;
+  [[nodiscard]] const std::vector<Range>& globals() const;
+  [[nodiscard]] bool owns_global(std::uintptr_t address) const;
   /// What they hold, and the way back to that.
-  std::vector<char> image() const;
+  [[nodiscard]] std::vector<char> image() const;
   void restore(const std::vector<char>& image);
 
   /// Functions outside the module that it calls, that may touch shared memory and that nobody
   /// observes, demangled; also tables of virtual functions and objects outside.
-  std::vector<std::string> unseen_calls() const;
+  [[nodiscard]] std::vector<std::string> unseen_calls() const;
 
-  const std::string& file() const;
+  [[nodiscard]] const std::string& file() const;
   /// What to subtract from an address to find it in the file.
-  std::uintptr_t load_offset() const;
+  [[nodiscard]] std::uintptr_t load_offset() const;
 
  private:
   struct State;
