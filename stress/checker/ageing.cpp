@@ -5,7 +5,7 @@
 #include <cstring>
 #include <fmt/format.h>
 
-#include "stress/checker/execution.hpp"
+#include "stress/checker/execution_state.hpp"
 
 // Memory is known by its address here.
 // NOLINTBEGIN(performance-no-int-to-ptr)
@@ -17,73 +17,50 @@ namespace {
 /// A queue whose memory grows with each pair is not aged further: every execution would have to
 /// give all of it back.
 constexpr std::size_t most_blocks = 20'000;
-/// A call that makes more accesses to memory is taken for one that does not return.
-constexpr std::uint64_t longest_call = 10'000'000;
 
 }  // namespace
 
-void Execution::begin_aged() {
-  AgedMemory& memory = *program_.aged;
-  if (memory.what != program_.aged_what || memory.age > program_.age)
-    memory = {.what = program_.aged_what};
+void age(ExecutionState& state) {
+  Conclusion& conclusion = state.conclusion;
+  const Program& program = state.program;
+  AgedMemory& memory = *program.aged;
+  if (memory.what != program.aged_what || memory.age > program.age)
+    memory = {.what = program.aged_what};
   if (memory.age != 0) {
-    heap_.restore(memory.heap);
-    if (program_.module != nullptr) program_.module->restore(memory.globals);
+    state.heap.restore(memory.heap);
+    if (program.module != nullptr) program.module->restore(memory.globals);
   }
-  if (memory.age == program_.age) return;
-  if (program_.module != nullptr && !program_.module->unseen_calls().empty()) {
+  if (memory.age == program.age) return;
+  if (program.module != nullptr && !program.module->unseen_calls().empty()) {
     // It may keep something elsewhere, which no copy of this memory puts back.
-    incomplete_ = "a queue that calls compiled code is not aged";
-    outcome_ = Outcome::cut;
-    return;
+    conclusion.note_incomplete("a queue that calls compiled code is not aged");
+    return conclusion.end(Outcome::cut);
   }
-  phase_ = Phase::ageing;
+  state.phase = Phase::ageing;
   std::uint64_t n = memory.age;
-  const std::function<void()> work = [this, &n] {
-    for (; n < program_.age; ++n) {
-      if (n % 16 == 0 && deadline_.passed()) {
-        out_of_time_ = true;
-        return;
-      }
-      walk_ = 0;
-      program_.grow_older(n);
-      if (n % 256 == 0 && heap_.blocks().size() > most_blocks)
-        give_up(
+  const std::function<void()> work = [&] {
+    for (; n < program.age; ++n) {
+      if (n % 16 == 0 && conclusion.deadline().passed()) return conclusion.run_out_of_time();
+      state.walk = 0;
+      program.grow_older(n);
+      if (n % 256 == 0 && state.heap.blocks().size() > most_blocks)
+        conclusion.give_up(
             fmt::format("a queue whose memory grows with every push is not aged further than "
                         "{} pairs",
                         n + 1));
     }
   };
-  run_main(work);
-  states_[main_] = ThreadState{};
-  walk_ = 0;
-  if (outcome_ != Outcome::complete) {
+  state.run_main(work);
+  state.walk = 0;
+  if (conclusion.outcome() != Outcome::complete) {
     memory = {};
     return;
   }
-  if (out_of_time_) outcome_ = Outcome::cut;
+  if (conclusion.out_of_time()) conclusion.end(Outcome::cut);
   memory.age = n;
-  heap_.settle();
-  memory.heap = heap_.image();
-  if (program_.module != nullptr) memory.globals = program_.module->image();
-}
-
-void Execution::note_unwatched() {
-  ++beats_;
-  if (phase_ == Phase::ageing && ++walk_ > longest_call)
-    give_up(fmt::format("a call while the queue is aged makes more than {} accesses to memory",
-                        longest_call));
-}
-
-// As malloc does it: what was freed last comes back first.
-void* Execution::allocate_unwatched(std::size_t size, std::size_t alignment, const void* pc) {
-  void* block = heap_.can_reuse(main_, size, alignment)
-                    ? heap_.reuse(main_, size, alignment, pc)
-                    : heap_.allocate(main_, size, alignment, pc);
-  if (block == nullptr)
-    give_up(fmt::format("ageing the queue takes more than {} MB", Heap::region_bytes >> 20U));
-  std::memset(block, 0xA5, size);
-  return block;
+  state.heap.settle();
+  memory.heap = state.heap.image();
+  if (program.module != nullptr) memory.globals = program.module->image();
 }
 
 Heap::Image Heap::image() const {

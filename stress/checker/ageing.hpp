@@ -19,4 +19,9 @@ struct AgedMemory {
   std::vector<char> globals{};
 };
 
+struct ExecutionState;
+
+/// Ages the program of `state`, or takes from its AgedMemory what came of that before.
+void age(ExecutionState& state);
+
 }  // namespace irt::checker

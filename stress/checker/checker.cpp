@@ -53,17 +53,17 @@ std::optional<bool> repeats(const Program& program, const Options& options, Dead
   const auto trace = [&](std::uint64_t seed) -> std::optional<std::string> {
     Execution execution(program, options.limits);
     execution.orders().weaken(options.weakened);
-    execution.until(deadline);
+    execution.conclusion().until(deadline);
     for (;;) {
       RandomWalk walk(seed, 0, 1);
       walk.begin();
       const Outcome outcome = execution.run(walk);
-      if (execution.incomplete_at() != nullptr) {
-        result.incomplete = execution.incomplete();
-        result.incomplete_at = execution.incomplete_at();
+      if (execution.conclusion().incomplete_at() != nullptr) {
+        result.incomplete = execution.conclusion().incomplete();
+        result.incomplete_at = execution.conclusion().incomplete_at();
         return std::nullopt;
       }
-      if (execution.out_of_time()) return std::nullopt;
+      if (execution.conclusion().out_of_time()) return std::nullopt;
       if (outcome != Outcome::restart) return trace_of(execution);
     }
   };
@@ -114,7 +114,7 @@ class Exploration {
           return std::move(result_);
         }
       }
-      if (strategy_->left_out() && result_.incomplete.empty())
+      if (strategy_->books().left_out && result_.incomplete.empty())
         result_.incomplete = "too many alternatives to keep in mind";
     }
     result_.finished = result_.incomplete.empty();
@@ -154,12 +154,13 @@ class Exploration {
     Outcome outcome = execution_.run(*strategy_);
     ++made_;
     note_limits();
-    if (execution_.out_of_time()) return false;
-    if (strategy_->differs()) {
+    if (execution_.conclusion().out_of_time()) return false;
+    const Books books = strategy_->books();
+    if (books.differs) {
       call_different(result_);
       return false;
     }
-    if (!strategy_->counted_elsewhere()) {
+    if (!books.elsewhere) {
       ++result_.executions;
       result_.complete += outcome == Outcome::complete ? 1 : 0;
       result_.blocked += outcome == Outcome::blocked ? 1 : 0;
@@ -169,7 +170,7 @@ class Exploration {
     if (exchange_ && outcome != Outcome::found && outcome != Outcome::restart) {
       outcome = exchanged(outcome);
       note_limits();
-      if (execution_.out_of_time()) return false;
+      if (execution_.conclusion().out_of_time()) return false;
     }
     if (!result_.uneven.empty() && options_.shards > 1) return false;  // all parts begin anew
     if (outcome == Outcome::found) {
@@ -186,8 +187,8 @@ class Exploration {
 
   void note_limits() {
     result_.assumed_waits = execution_.assumed_waits();
-    result_.incomplete = execution_.incomplete();
-    result_.incomplete_at = execution_.incomplete_at();
+    result_.incomplete = execution_.conclusion().incomplete();
+    result_.incomplete_at = execution_.conclusion().incomplete_at();
   }
 
   /// How an execution ended for the search, once its equal threads were exchanged.
@@ -196,7 +197,8 @@ class Exploration {
     result_.exchanged = {exchange_->orders(), exchange_->histories(), exchange_->executions()};
     if (answer == Exchange::Answer::found) return Outcome::found;
     if (answer == Exchange::Answer::fails) result_.uneven = exchange_->why();
-    if (strategy_->loses_symmetry()) result_.uneven = "a thread goes on where an equal one waits";
+    if (strategy_->books().loses_symmetry)
+      result_.uneven = "a thread goes on where an equal one waits";
     if (result_.uneven.empty() && answer == Exchange::Answer::holds) return outcome;
     result_.exchanged = {};
     return Outcome::restart;
@@ -228,12 +230,12 @@ Result check(const Program& program, const Options& options) {
   {
     Execution execution(program, options.limits);
     execution.orders().weaken(options.weakened);
-    execution.know(options.known);
-    execution.until(deadline);
+    execution.conclusion().know(options.known);
+    execution.conclusion().until(deadline);
     if (options.watch_orders) execution.orders().watch();
     result = Exploration(program, options, execution).run();
     result.order_sites = execution.orders().sites();
-    result.allocates = execution.allocates();
+    result.allocates = execution.allocations().any();
   }
   if (program.histories) result.histories = program.histories();
   confirm(program, options, result);
@@ -262,7 +264,7 @@ std::unique_ptr<Execution> repeat(const Program& program, const Options& options
                                   const Schedule& schedule) {
   auto execution = std::make_unique<Execution>(program, options.limits);
   execution->orders().weaken(options.weakened);
-  execution->know(options.known);
+  execution->conclusion().know(options.known);
   for (;;) {
     Replay replay(schedule);
     replay.begin();

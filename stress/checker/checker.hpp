@@ -46,9 +46,9 @@ struct Options {
   /// This one's part of the work where several share it: `shard` of `shards`, from 0.
   unsigned shard = 0;
   unsigned shards = 1;
-  /// Orders to weaken in the code, see Execution::weaken.
+  /// Orders to weaken in the code, see MemoryOrders::weaken.
   std::vector<std::pair<OrderSite, Order>> weakened{};
-  /// Findings to pass over, see Execution::know.
+  /// Findings to pass over, see Conclusion::know.
   std::vector<Finding> known{};
   bool watch_orders = false;  ///< fills Result::order_sites
   /// Exchange equal threads in `exhaustive`, see exchange.hpp. Of several shards one may find that

@@ -24,9 +24,10 @@ double DepthFirst::explored() const {
   return done;
 }
 
-unsigned DepthFirst::choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) {
+unsigned DepthFirst::choose_thread(ExecutionState& state, std::uint32_t runnable,
+                                   unsigned current) {
   forced_ = current >= 32 || (runnable >> current & 1U) == 0;
-  return Strategy::choose_thread(execution, runnable, current);
+  return Strategy::choose_thread(state, runnable, current);
 }
 
 std::uint32_t DepthFirst::choose(ChoiceKind kind, std::uint32_t count) {

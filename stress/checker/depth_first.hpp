@@ -21,9 +21,9 @@ class DepthFirst final : public Strategy {
   explicit DepthFirst(unsigned budget) : budget_(budget) {}
 
   bool begin() override;
-  unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
+  unsigned choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current) override;
+  [[nodiscard]] Books books() const override { return {.differs = differs_}; }
   [[nodiscard]] double explored() const override;
-  [[nodiscard]] bool differs() const override { return differs_; }
 
  protected:
   std::uint32_t choose(ChoiceKind kind, std::uint32_t count) override;

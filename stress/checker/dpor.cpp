@@ -3,43 +3,14 @@
 #include <algorithm>
 #include <bit>
 
-#include "stress/checker/execution.hpp"
+#include "stress/checker/execution_state.hpp"
 
 namespace irt::checker {
 
-// An execution and what it led to share its weight.
-void Dpor::weigh() {
-  const double share = current_.weight / static_cast<double>(offspring_ + 1);
-  for (std::size_t i = work_.size() - offspring_; i < work_.size(); ++i) work_[i].weight = share;
-  offspring_ = 0;
-  explored_ += share;
-  open_ -= share;
-}
-
 bool Dpor::begin() {
-  if (started_) weigh();
-  started_ = true;
-  // While the parts share the work they take the oldest piece, so that many arise; once there are
-  // enough, each keeps its own and takes the newest, so that few do.
-  // Some lead to a thousand times as many executions as others, which only their number evens out.
-  const std::size_t enough = std::min<std::size_t>(
-      std::size_t{256} * shards_, std::max<std::size_t>(std::size_t{32} * shards_, 65'536));
-  if (shared_ && work_.size() >= enough) {
-    shared_ = false;
-    std::deque<Work> mine;
-    for (std::size_t i = shard_; i < work_.size(); i += shards_)
-      mine.push_back(std::move(work_[i]));
-    work_ = std::move(mine);
-    open_ = 0;
-    for (const Work& work : work_) open_ += work.weight;
-  }
-  if (work_.empty()) return false;
-  current_ = std::move(shared_ ? work_.front() : work_.back());
-  if (shared_)
-    work_.pop_front();
-  else
-    work_.pop_back();
-  planned_ -= std::min(planned_, current_.plan.size());
+  std::optional<Work> next = frontier_.next();
+  if (!next) return false;
+  current_ = std::move(*next);
   position_ = 0;
   stamp_ = 0;
   cut_ = false;
@@ -54,7 +25,7 @@ bool Dpor::begin() {
   return true;
 }
 
-unsigned Dpor::choose_thread(Execution&, std::uint32_t runnable, unsigned) {
+unsigned Dpor::choose_thread(ExecutionState&, std::uint32_t runnable, unsigned) {
   if (cut_) return virtual_cores::host;
   if (position_ == current_.plan.size()) return static_cast<unsigned>(std::countr_zero(runnable));
   const unsigned thread = current_.plan[position_].thread;
@@ -71,10 +42,10 @@ bool Dpor::expects_choice(unsigned thread, const void* pc) const {
   return false;
 }
 
-std::optional<std::size_t> Dpor::planned_place(Execution& execution, Event& event,
+std::optional<std::size_t> Dpor::planned_place(ExecutionState& state, Event& event,
                                                std::uint32_t location) {
   if (position_ == current_.plan.size()) return std::nullopt;
-  const Graph& graph = execution.graph();
+  const Graph& graph = state.graph;
   const EventId store = graph.find(current_.plan[position_].from, location);
   const auto place = store == no_event ? std::nullopt : graph.find_place(location, store);
   const std::size_t stores = event.kind == EventKind::store ? 1 : 0;
@@ -84,36 +55,25 @@ std::optional<std::size_t> Dpor::planned_place(Execution& execution, Event& even
   return graph.location(location).stores.size() - 1 + stores;
 }
 
-void Dpor::add(Work work) {
-  constexpr std::size_t most = 20'000'000;  // half a gigabyte
-  if (planned_ > most) {
-    left_out_ = true;
-    return;
-  }
-  planned_ += work.plan.size();
-  ++offspring_;
-  work_.push_back(std::move(work));
-}
-
 void Dpor::push(const Planned& last, bool verify) {
   Work work{trace_, verify};
   work.plan.push_back(last);
-  add(std::move(work));
+  frontier_.add(std::move(work));
 }
 
 // Whether an equal thread should be the one to read the store at `at`, or to store after it.
-bool Dpor::forbids(const Execution& execution, const Event& event, std::uint32_t location,
+bool Dpor::forbids(const ExecutionState& state, const Event& event, std::uint32_t location,
                    std::size_t at, bool reads) const {
-  const Graph& graph = execution.graph();
+  const Graph& graph = state.graph;
   const Event& store = graph.event(graph.location(location).stores[at]);
-  return symmetry_.forbids(graph, execution.heap(), event.thread, event.index, location, at,
+  return symmetry_.forbids(graph, state.heap, event.thread, event.index, location, at,
                            reads ? &store.causes : nullptr,
                            [&](EventId id) { return graph.find_place(location, id); });
 }
 
-std::size_t Dpor::choose_read(Execution& execution, Event& event, std::uint32_t location,
+std::size_t Dpor::choose_read(ExecutionState& state, Event& event, std::uint32_t location,
                               std::span<const ReadOption> options) {
-  const Graph& graph = execution.graph();
+  const Graph& graph = state.graph;
   const Location& at = graph.location(location);
   std::size_t chosen = options.size();
   for (std::size_t i = 0; i < options.size(); ++i) {
@@ -129,10 +89,10 @@ std::size_t Dpor::choose_read(Execution& execution, Event& event, std::uint32_t 
       alone.causes.join(symmetry_.past(graph, event.thread, event.index));
       alone.read_stamp = stamp_ + 1;
       alone.write_stamp = stamp_ + 2;
-      revisit(execution, alone, location, option.place);
+      revisit(state, alone, location, option.place);
     } else if (chosen == options.size()) {
       chosen = i;
-    } else if (!forbids(execution, event, location, option.place, true)) {
+    } else if (!forbids(state, event, location, option.place, true)) {
       push({.from = graph.event(at.stores[option.place]).ref(),
             .read_stamp = stamp_ + 1,
             .thread = event.thread,
@@ -143,11 +103,11 @@ std::size_t Dpor::choose_read(Execution& execution, Event& event, std::uint32_t 
   return chosen;
 }
 
-std::size_t Dpor::choose_place(Execution& execution, Event& event, std::uint32_t location,
+std::size_t Dpor::choose_place(ExecutionState& state, Event& event, std::uint32_t location,
                                std::span<const std::size_t> places) {
-  const Graph& graph = execution.graph();
+  const Graph& graph = state.graph;
   for (const std::size_t place : places.subspan(1)) {
-    if (forbids(execution, event, location, place - 1, false)) continue;
+    if (forbids(state, event, location, place - 1, false)) continue;
     push({.from = graph.event(graph.location(location).stores[place - 1]).ref(),
           .write_stamp = stamp_ + 1,
           .thread = event.thread},
@@ -156,22 +116,22 @@ std::size_t Dpor::choose_place(Execution& execution, Event& event, std::uint32_t
   return 0;
 }
 
-unsigned Dpor::choose_other(Execution& execution, Event& event, unsigned count) {
+unsigned Dpor::choose_other(ExecutionState& state, Event& event, unsigned count) {
   if (position_ != current_.plan.size()) return current_.plan[position_].option;
   for (unsigned option = 1; option < count; ++option)
-    if (!symmetry_.forbids_option(execution.graph(), event.thread, event.index, option))
+    if (!symmetry_.forbids_option(state.graph, event.thread, event.index, option))
       push({.choice = event.pc, .option = option, .read_stamp = stamp_ + 1, .thread = event.thread},
            false);
   return 0;
 }
 
-void Dpor::added(Execution& execution, const Event& made) {
-  Graph& graph = execution.graph();
+void Dpor::added(ExecutionState& state, const Event& made) {
+  Graph& graph = state.graph;
   const EventId id = graph.id_of(made);
   Event& event = graph.event(id);
   if (symmetry_.any()) {
     graph.depend(event, symmetry_.past(graph, event.thread, event.index));
-    symmetry_.added(graph, execution.heap(), event);
+    symmetry_.added(graph, state.heap, event);
   }
   bool fresh = event.writes;
   bool last = false;
@@ -209,7 +169,7 @@ void Dpor::added(Execution& execution, const Event& made) {
     cut_ = true;
     return;
   }
-  if (fresh) revisit(execution, event, event.location, after);
+  if (fresh) revisit(state, event, event.location, after);
 }
 
 /// One store's search for reads that could read it.
@@ -269,9 +229,9 @@ struct Dpor::Revisit {
   }
 };
 
-void Dpor::revisit(const Execution& execution, const Event& store, std::uint32_t id,
+void Dpor::revisit(const ExecutionState& state, const Event& store, std::uint32_t id,
                    std::size_t after) {
-  const Graph& graph = execution.graph();
+  const Graph& graph = state.graph;
   const Location& location = graph.location(id);
   const Revisit search{graph, location, store};
   const bool modifies = store.reads;
@@ -327,9 +287,9 @@ void Dpor::revisit(const Execution& execution, const Event& store, std::uint32_t
         return before > at ? before + 1 : before;
       };
       const Clock* source = modifies ? &graph.event(stays[at]).causes : nullptr;
-      return symmetry_.forbids(graph, execution.heap(), store.thread, store.index, id, at, source,
+      return symmetry_.forbids(graph, state.heap, store.thread, store.index, id, at, source,
                                place) ||
-             symmetry_.forbids(graph, execution.heap(), read.thread, read.index, id, at + 1,
+             symmetry_.forbids(graph, state.heap, read.thread, read.index, id, at + 1,
                                &store.causes, place);
     };
     const auto offer = [&](Planned made) {
@@ -344,7 +304,7 @@ void Dpor::revisit(const Execution& execution, const Event& store, std::uint32_t
                            .read_stamp = read.read_stamp,
                            .thread = read.thread,
                            .fresh = true});
-      add(std::move(work));
+      frontier_.add(std::move(work));
     };
     Planned made{
         .read_stamp = store.read_stamp, .write_stamp = store.write_stamp, .thread = store.thread};

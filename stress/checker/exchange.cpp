@@ -11,11 +11,6 @@ namespace irt::checker {
 namespace {
 
 constexpr std::uint8_t whole = 0xFF;
-/// Addresses that no program has: of futexes' sleepers, the signal and the clock.
-bool is_made_up(std::uintptr_t address) {
-  return address >> 63U != 0;
-}
-
 std::uint64_t mix(std::uint64_t hash, std::uint64_t word) {
   hash = (hash ^ word) * 0xFF51AFD7ED558CCD;
   return hash ^ hash >> 32U;
@@ -55,10 +50,10 @@ class Mirror final : public Replay {
   Mirror(Schedule schedule, Bijection& exchange)
       : Replay(std::move(schedule)), exchange_(exchange) {}
 
-  unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override {
-    if (current == virtual_cores::host && execution.steps().empty())
-      fits_first_ = exchange_.look_at_first(execution);
-    return Replay::choose_thread(execution, runnable, current);
+  unsigned choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current) override {
+    if (current == virtual_cores::host && state.steps.empty())
+      fits_first_ = exchange_.look_at_first(state);
+    return Replay::choose_thread(state, runnable, current);
   }
   [[nodiscard]] bool fits_first() const { return fits_first_; }
 
@@ -75,21 +70,21 @@ std::size_t Bijection::Hash::operator()(const Key& key) const {
   return mix(mix(mix(0, key.address), key.value), key.bytes);
 }
 
-bool Bijection::place(Execution& execution, unsigned thread, std::uintptr_t from, std::uintptr_t to,
-                      bool writes) {
-  Heap& heap = execution.heap();
+bool Bijection::place(ExecutionState& state, unsigned thread, std::uintptr_t from,
+                      std::uintptr_t to, bool writes) {
+  Heap& heap = state.heap;
   const unsigned region = heap.region_of(from);
   if (region < target_.size()) return to == Heap::twin(from, region, target_[region]);
   const auto [there, fresh] = places_.try_emplace(from, to);
   if (there->second != to || (fresh && !places_back_.try_emplace(to, from).second)) return false;
   // Thread-local memory and the like must be looked at by nobody else, or be the same for all and
   // never change.
-  if (region == Heap::no_region && !is_made_up(from) && !execution.is_global(from))
+  if (region == Heap::no_region && !is_made_up(from) && !state.is_global(from))
     return (from == to && !writes) || heap.toucher(to) == name(thread) + 1;
   if (from == to) return true;
   // Others may be exchanged for one of the same block, or of the module's variables.
   if (is_made_up(from)) return is_made_up(to);
-  if (region == Heap::no_region) return execution.is_global(to);
+  if (region == Heap::no_region) return state.is_global(to);
   const Block* block = heap.find(from);
   return block != nullptr && block == heap.find(to);
 }
@@ -106,9 +101,9 @@ bool Bijection::pointer(const Heap& heap, std::uint64_t value, std::uint64_t oth
          agree(value >> 16U, other >> 16U);
 }
 
-bool Bijection::word(Execution& execution, std::uintptr_t from, std::uint8_t bytes,
+bool Bijection::word(ExecutionState& state, std::uintptr_t from, std::uint8_t bytes,
                      std::uint64_t value, std::uint64_t other) {
-  const Heap& heap = execution.heap();
+  const Heap& heap = state.heap;
   const auto [there, fresh] = words_.try_emplace({from, value, bytes}, other);
   if (!fresh) return there->second == other;
   if (!words_back_.try_emplace({from, other, bytes}, value).second) return false;
@@ -128,15 +123,15 @@ bool Bijection::word(Execution& execution, std::uintptr_t from, std::uint8_t byt
 }
 
 // Nothing is there yet where threads allocate.
-bool Bijection::look_at_first(Execution& execution) {
-  Heap& heap = execution.heap();
+bool Bijection::look_at_first(ExecutionState& state) {
+  Heap& heap = state.heap;
   const std::vector<Unseen> unseen = std::exchange(unseen_, {});
   return std::all_of(unseen.begin(), unseen.end(), [&](const Unseen& u) {
-    if (is_made_up(u.from)) return word(execution, u.from, u.bytes, 0, 0);
+    if (is_made_up(u.from)) return word(state, u.from, u.bytes, 0, 0);
     const Block* block = heap.find(u.from);
     const bool there =
-        block != nullptr ? u.from < block->address + block->size : execution.is_global(u.from);
-    return !there || word(execution, u.from, u.bytes, masked_word(u.from, u.bytes),
+        block != nullptr ? u.from < block->address + block->size : state.is_global(u.from);
+    return !there || word(state, u.from, u.bytes, masked_word(u.from, u.bytes),
                           masked_word(places_.at(u.from), u.bytes));
   });
 }
@@ -148,11 +143,11 @@ Exchange::Exchange(const Program& program, Execution& execution)
   constexpr std::size_t most = 24;
   roles_ = limited(program.roles, most);
   for (std::vector<unsigned>& target : all_exchanges(roles_)) exchanges_.emplace_back(target);
-  execution.keep(&diary_);
+  execution.state().diary = &diary_;
 }
 
 Exchange::~Exchange() {
-  execution_.keep(nullptr);
+  execution_.state().diary = nullptr;
 }
 
 Exchange::Answer Exchange::fail(std::string why) {
@@ -161,8 +156,8 @@ Exchange::Answer Exchange::fail(std::string why) {
 }
 
 const void* Exchange::waits(unsigned thread) const {
-  const auto standing = execution_.standing(thread);
-  return standing ? standing->pc : nullptr;
+  const Turns::Thread* standing = execution_.standing(thread);
+  return standing != nullptr ? standing->wait_pc : nullptr;
 }
 
 Exchange::Made Exchange::made(const Event& event) const {
@@ -223,7 +218,7 @@ std::uint64_t Exchange::history_of(unsigned thread) const {
 
 bool Exchange::is_new(Outcome outcome) {
   bool fresh = false;
-  for (unsigned thread = 0; thread <= execution_.main_thread(); ++thread)
+  for (unsigned thread = 0; thread <= execution_.threads(); ++thread)
     fresh = histories_.insert(history_of(thread)).second || fresh;
   if (outcome == Outcome::complete && program_.outcome)
     fresh = outcomes_.insert(program_.outcome()).second || fresh;
@@ -233,12 +228,13 @@ bool Exchange::is_new(Outcome outcome) {
 Exchange::Answer Exchange::check(Outcome outcome) {
   if (outcome == Outcome::cut) return Answer::holds;
   if (execution_.assumed_waits() != 0) return fail("a loop that counts waits");
-  if (!execution_.incomplete().empty()) return fail(execution_.incomplete());
+  if (!execution_.conclusion().incomplete().empty())
+    return fail(execution_.conclusion().incomplete());
   if (!diary_.peculiar().empty()) return fail(diary_.peculiar());
-  for (unsigned thread = 0; thread <= execution_.main_thread(); ++thread) diary_.settle(thread);
+  for (unsigned thread = 0; thread <= execution_.threads(); ++thread) diary_.settle(thread);
   if (!is_new(outcome)) return Answer::holds;
   Past past;
-  for (unsigned thread = 0; thread <= execution_.main_thread(); ++thread) {
+  for (unsigned thread = 0; thread <= execution_.threads(); ++thread) {
     past.events.emplace_back();
     for (const EventId id : execution_.graph().thread(thread).events)
       past.events.back().push_back(made(execution_.graph().event(id)));
@@ -265,9 +261,9 @@ Exchange::Answer Exchange::make(Bijection& exchange, Outcome outcome,
   mirror.begin();
   ++executions_;
   const Outcome other = execution_.run(mirror);
-  if (other == Outcome::restart || execution_.out_of_time()) return Answer::restart;
+  if (other == Outcome::restart || execution_.conclusion().out_of_time()) return Answer::restart;
   if (other == Outcome::found) return Answer::found;
-  for (unsigned thread = 0; thread <= execution_.main_thread(); ++thread) diary_.settle(thread);
+  for (unsigned thread = 0; thread <= execution_.threads(); ++thread) diary_.settle(thread);
   if (!diary_.peculiar().empty()) return fail(diary_.peculiar());
   if (other != outcome || !mirror.fits() || !mirror.fits_first() ||
       execution_.steps().size() != steps.size() || !agrees(exchange, past))
@@ -276,7 +272,7 @@ Exchange::Answer Exchange::make(Bijection& exchange, Outcome outcome,
 }
 
 bool Exchange::agrees(Bijection& exchange, const Past& past) const {
-  const unsigned main = execution_.main_thread();
+  const unsigned main = execution_.threads();
   for (unsigned thread = 0; thread <= main; ++thread) {
     const unsigned other = exchange.name(thread);
     const std::vector<Look>& looks = diary_.of(other);
@@ -296,13 +292,14 @@ bool Exchange::agrees(Bijection& exchange, const Past& past) const {
 
 bool Exchange::agree(Bijection& exchange, unsigned thread, const Look& a, const Look& b) const {
   if (a.kind != b.kind || a.bytes != b.bytes || a.moment != b.moment ||
-      execution_.is_stack(a.address) || execution_.is_stack(b.address) ||
-      !exchange.place(execution_, thread, a.address, b.address, a.kind == Look::Kind::write))
+      execution_.state().is_stack(a.address) || execution_.state().is_stack(b.address) ||
+      !exchange.place(execution_.state(), thread, a.address, b.address,
+                      a.kind == Look::Kind::write))
     return false;
   if (a.kind == Look::Kind::allocate || a.kind == Look::Kind::release) return a.found == b.found;
-  return exchange.word(execution_, a.address, a.bytes, a.found, b.found) &&
+  return exchange.word(execution_.state(), a.address, a.bytes, a.found, b.found) &&
          (a.kind == Look::Kind::read ||
-          exchange.word(execution_, a.address, a.bytes, a.left, b.left));
+          exchange.word(execution_.state(), a.address, a.bytes, a.left, b.left));
 }
 
 bool Exchange::agree(Bijection& exchange, unsigned thread, const Made& a, const Made& b) const {
@@ -313,15 +310,18 @@ bool Exchange::agree(Bijection& exchange, unsigned thread, const Made& a, const 
       a.option != b.option || a.size != b.size || a.place != b.place || a.pc != b.pc)
     return false;
   if (a.size == 0) return true;
-  if (execution_.is_stack(a.address) || execution_.is_stack(b.address)) return false;
+  if (execution_.state().is_stack(a.address) || execution_.state().is_stack(b.address))
+    return false;
   const std::uintptr_t low = is_made_up(a.address) ? 0 : a.address & 7U;
   if (!is_made_up(a.address) && low != (b.address & 7U)) return false;
   const auto part = [&](std::uintptr_t from, std::uintptr_t to, std::uint8_t bytes, unsigned shift,
                         unsigned up) {
     const auto word = [&](Value value) { return static_cast<std::uint64_t>(value >> shift) << up; };
-    return exchange.place(execution_, thread, from, to, a.writes) &&
-           (!a.reads || exchange.word(execution_, from, bytes, word(a.read), word(b.read))) &&
-           (!a.writes || exchange.word(execution_, from, bytes, word(a.written), word(b.written)));
+    return exchange.place(execution_.state(), thread, from, to, a.writes) &&
+           (!a.reads ||
+            exchange.word(execution_.state(), from, bytes, word(a.read), word(b.read))) &&
+           (!a.writes ||
+            exchange.word(execution_.state(), from, bytes, word(a.written), word(b.written)));
   };
   const std::uintptr_t from = a.address - low;
   const std::uintptr_t to = b.address - low;

@@ -50,13 +50,13 @@ class Bijection {
 
   /// Whether `to` may be the exchange of `from`, now and from now on: addresses, and what is at the
   /// eight bytes at `from`.
-  bool place(Execution& execution, unsigned thread, std::uintptr_t from, std::uintptr_t to,
+  bool place(ExecutionState& state, unsigned thread, std::uintptr_t from, std::uintptr_t to,
              bool writes);
-  bool word(Execution& execution, std::uintptr_t from, std::uint8_t bytes, std::uint64_t value,
+  bool word(ExecutionState& state, std::uintptr_t from, std::uint8_t bytes, std::uint64_t value,
             std::uint64_t other);
   /// Looks at what is in the places that have come up since the last time. To be called before the
   /// threads begin; false if that does not fit.
-  bool look_at_first(Execution& execution);
+  bool look_at_first(ExecutionState& state);
   /// Whether there are none such.
   [[nodiscard]] bool all_seen() const { return unseen_.empty(); }
 

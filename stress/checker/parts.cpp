@@ -99,7 +99,8 @@ class Parts {
   Parts(const Program& program, const Options& options, unsigned count) : options_(options) {
     for (unsigned part = 0; part < count; ++part)
       parts_.push_back({.child = Child([&](int line) {
-                          say(line, work(program, options_of(part, count), *shared_.operator->()));
+                          irt::say(line,
+                                   work(program, options_of(part, count), *shared_.operator->()));
                         })});
   }
 

@@ -26,7 +26,7 @@ ProgressResult check_progress(const Program& program, const Limits& limits, std:
   ProgressResult result;
   const Deadline deadline(seconds);
   Execution execution(program, limits);
-  execution.until(deadline);
+  execution.conclusion().until(deadline);
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {
     bool reached = true;
     for (std::size_t step = 0; reached && step < limits.events_per_thread; ++step) {
@@ -37,12 +37,12 @@ ProgressResult check_progress(const Program& program, const Limits& limits, std:
         strategy.begin();
         Outcome outcome = execution.run(strategy);
         while (outcome == Outcome::restart) outcome = execution.run(strategy);
-        result.incomplete = execution.incomplete();
-        result.incomplete_at = execution.incomplete_at();
-        if (execution.out_of_time() || deadline.passed()) return result;
+        result.incomplete = execution.conclusion().incomplete();
+        result.incomplete_at = execution.conclusion().incomplete_at();
+        if (execution.conclusion().out_of_time() || deadline.passed()) return result;
         ++result.executions;
-        reached = reached || execution.froze();
-        if (outcome != Outcome::found || !execution.froze()) continue;
+        reached = reached || execution.stopped();
+        if (outcome != Outcome::found || !execution.stopped()) continue;
         result.finding = execution.finding();
         result.finding->kind = FindingKind::blocked_by_stalled_thread;
         result.steps = execution.steps();

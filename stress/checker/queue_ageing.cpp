@@ -52,7 +52,7 @@ void QueueClient::make_pair(std::uint64_t n) {
     note(QueueCall::Kind::pop, more, popped);
   }
   if (const auto opinion = judge(operations_, entry_.claims, capacity_); opinion.wrong)
-    Execution::current_execution()->report(
+    Execution::current_execution()->conclusion().report(
         FindingKind::wrong_outcome,
         fmt::format("after {} pairs of a push and a pop by one worker alone: {}", n,
                     *opinion.wrong),

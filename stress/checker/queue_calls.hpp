@@ -37,7 +37,7 @@ struct QueueCall {
   bool ends_frame = false;        ///< it answered that there will be no more tasks ...
   Clock before_return{};          ///< ... and this is what happens before that
   std::uint16_t returned = 0;     ///< the moment of its thread at which it returned
-  std::uint64_t called_at = 0;    ///< by the execution's clock, see Execution::tick; 0: not asked
+  std::uint64_t called_at = 0;    ///< by the execution's clock, see Kernel::tick; 0: not asked
   std::uint64_t returned_at = 0;  ///< likewise
   std::size_t first_step = 0;     ///< steps of the execution before the call
   std::size_t last_step = 0;      ///< and before the return

@@ -167,10 +167,10 @@ void QueueClient::make_step(char step, unsigned thread, unsigned pusher, unsigne
       push(thread, pusher);
       break;
     case 'S':
-      Execution::current_execution()->signal();
+      Execution::current_execution()->kernel().signal();
       break;
     case 'W':
-      Execution::current_execution()->await_signal();
+      Execution::current_execution()->kernel().await_signal();
       break;
     default:
       break;
@@ -192,7 +192,7 @@ std::uint64_t QueueClient::next_value(unsigned thread) {
     const std::uint64_t value = (n < 100 ? 100 : 10'000'000) * (std::uint64_t{thread} + 1) + n;
     if (entry_.claims.allows(value)) return value;
   }
-  Execution::current_execution()->report(
+  Execution::current_execution()->conclusion().report(
       FindingKind::failure, "the queue's claims leave no words that could be elements", {});
 }
 
@@ -222,7 +222,7 @@ void QueueClient::pop_wait(unsigned thread, unsigned worker) {
 void QueueClient::pop_until(unsigned thread, unsigned worker) {
   constexpr std::int64_t patience = 10'000;  // nanoseconds of virtual time: ten looks at the clock
   Execution& execution = *Execution::current_execution();
-  const std::int64_t deadline = execution.time() + patience;
+  const std::int64_t deadline = execution.kernel().time() + patience;
   const std::size_t number = call(QueueCall::Kind::pop, thread, worker);
   operations_[number].waits = true;
   std::uint64_t value = 0;
@@ -234,11 +234,12 @@ void QueueClient::pop_until(unsigned thread, unsigned worker) {
   if (found) return note_popped(number, value);
   operations_[number].closed = status == PopStatus::closed;
   operations_[number].timed_out = status == PopStatus::timed_out;
-  if (status == PopStatus::timed_out && execution.time() < deadline)
-    execution.report(FindingKind::wrong_outcome,
-                     "thread " + std::to_string(thread) +
-                         "'s pop_wait answered that its deadline has passed, and it had not",
-                     {});
+  if (status == PopStatus::timed_out && execution.kernel().time() < deadline)
+    execution.conclusion().report(
+        FindingKind::wrong_outcome,
+        "thread " + std::to_string(thread) +
+            "'s pop_wait answered that its deadline has passed, and it had not",
+        {});
 }
 
 void QueueClient::close(unsigned thread, unsigned worker) {
@@ -263,7 +264,7 @@ void QueueClient::push_two(unsigned thread, unsigned worker) {
     return accepted == values.size();
   });
   if (accepted > values.size())
-    Execution::current_execution()->report(
+    Execution::current_execution()->conclusion().report(
         FindingKind::wrong_outcome, "push_bulk says that it took more elements than it was given",
         {});
   note_return(numbers.front(), accepted > 0);
@@ -281,7 +282,7 @@ void QueueClient::pop_two(unsigned thread, unsigned worker) {
     return found == values.size();
   });
   if (found > values.size())
-    Execution::current_execution()->report(
+    Execution::current_execution()->conclusion().report(
         FindingKind::wrong_outcome,
         "pop_bulk says that it found more elements than there is room for", {});
   note_return(numbers.front(), found > 0);
@@ -312,7 +313,7 @@ std::size_t QueueClient::call(QueueCall::Kind kind, unsigned thread, unsigned wo
                          .called = execution.clock_of(thread),
                          .first_step = execution.steps().size()});
   if (real_time_) {
-    const std::uint64_t now = execution.tick();
+    const std::uint64_t now = execution.kernel().tick();
     operations_[number].called_at = now;
   }
   return number;
@@ -322,26 +323,26 @@ template <class Work>
 bool QueueClient::finish(std::size_t number, Work work) {
   Execution& execution = *Execution::current_execution();
   const unsigned thread = operations_[number].thread;
-  const unsigned failed = execution.failed_allocations(thread);
+  const unsigned failed = execution.allocations().failed(thread);
   bool answered = false;
   bool thrown = false;
   try {
     answered = work();
   } catch (const std::bad_alloc&) {
-    if (execution.failed_allocations(thread) == failed) throw;
+    if (execution.allocations().failed(thread) == failed) throw;
     thrown = true;
   }
   note_return(number, answered);
   // Some libraries answer "full" for want of memory; a queue that is empty has no need to.
   operations_[number].no_memory =
       thrown || (!answered && operations_[number].kind == QueueCall::Kind::push &&
-                 execution.failed_allocations(thread) != failed);
+                 execution.allocations().failed(thread) != failed);
   return answered;
 }
 
 void QueueClient::note_return(std::size_t number, bool answered) {
   Execution& execution = *Execution::current_execution();
-  const std::uint64_t now = real_time_ ? execution.tick() : 0;
+  const std::uint64_t now = real_time_ ? execution.kernel().tick() : 0;
   QueueCall& done = operations_[number];
   done.answered = answered;
   done.finished = true;
@@ -420,7 +421,7 @@ std::optional<std::string> QueueClient::judge_history(const Execution& execution
   Opinion opinion = judge(operations_, entry_.claims, capacity_, !leaves_inside(shape_));
   judged_[key] = !opinion.wrong;
   if (!opinion.decided)
-    Execution::current_execution()->note_incomplete(
+    Execution::current_execution()->conclusion().note_incomplete(
         "the answers of an execution fit more orders than can be tried");
   return std::move(opinion.wrong);
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stress/checker/execution.hpp"
+#include "stress/checker/execution_state.hpp"
 
 namespace irt::checker {
 
@@ -50,7 +50,7 @@ bool PriorityChanges::begin() {
   return true;
 }
 
-unsigned PriorityChanges::choose_thread(Execution&, std::uint32_t runnable, unsigned) {
+unsigned PriorityChanges::choose_thread(ExecutionState&, std::uint32_t runnable, unsigned) {
   ++step_;
   const unsigned best = highest(priority_, runnable);
   const auto change = std::find(changes_.begin(), changes_.end(), step_);
@@ -66,12 +66,12 @@ bool OrderSampling::begin() {
   return true;
 }
 
-unsigned OrderSampling::choose_thread(Execution& execution, std::uint32_t runnable, unsigned) {
+unsigned OrderSampling::choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned) {
   const unsigned best = highest(priority_, runnable);
-  const std::uintptr_t address = execution.pending_address(best);
-  for (unsigned thread = 0; thread < execution.threads(); ++thread)
-    if (thread != best && address != 0 && execution.pending_address(thread) == address &&
-        (execution.pending_writes(best) || execution.pending_writes(thread)))
+  const std::uintptr_t address = state.pending[best].address;
+  for (unsigned thread = 0; thread < state.threads; ++thread)
+    if (thread != best && address != 0 && state.pending[thread].address == address &&
+        (state.pending[best].writes || state.pending[thread].writes))
       priority_[thread] = generator_.next();
   priority_[best] = generator_.next();
   return best;

@@ -59,7 +59,7 @@ class PriorityChanges final : public RandomBase {
       : RandomBase(seed, shard, shards), depth_(depth) {}
 
   bool begin() override;
-  unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
+  unsigned choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current) override;
 
  private:
   unsigned depth_;
@@ -76,7 +76,7 @@ class OrderSampling final : public RandomBase {
   using RandomBase::RandomBase;
 
   bool begin() override;
-  unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
+  unsigned choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current) override;
 
  private:
   std::vector<std::uint64_t> priority_;

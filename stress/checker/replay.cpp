@@ -77,7 +77,7 @@ bool Replay::begin() {
   return first;
 }
 
-unsigned Replay::choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) {
+unsigned Replay::choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current) {
   while (position_ < schedule_.steps.size()) {
     const unsigned thread = schedule_.steps[position_].thread;
     if ((runnable >> thread & 1U) != 0) return thread;
@@ -85,13 +85,13 @@ unsigned Replay::choose_thread(Execution& execution, std::uint32_t runnable, uns
     --remaining_[thread];
     ++position_;
   }
-  return Strategy::choose_thread(execution, runnable, current);
+  return Strategy::choose_thread(state, runnable, current);
 }
 
-std::optional<std::size_t> Replay::planned_place(Execution& execution, Event& event,
+std::optional<std::size_t> Replay::planned_place(ExecutionState& state, Event& event,
                                                  std::uint32_t location) {
   if (position_ == schedule_.steps.size()) return std::nullopt;
-  const Graph& graph = execution.graph();
+  const Graph& graph = state.graph;
   const bool stores = event.kind == EventKind::store;
   const std::size_t last = graph.location(location).stores.size() - (stores ? 0 : 1);
   const std::size_t lowest = graph.lowest_readable(event.thread, location) + (stores ? 1 : 0);
@@ -106,14 +106,14 @@ bool Replay::expects_choice(unsigned thread, const void*) const {
   return false;
 }
 
-unsigned Replay::choose_other(Execution&, Event&, unsigned count) {
+unsigned Replay::choose_other(ExecutionState&, Event&, unsigned count) {
   const unsigned option =
       position_ < schedule_.steps.size() ? schedule_.steps[position_].choice : 0;
   if (option >= count) fits_ = false;
   return option < count ? option : 0;
 }
 
-void Replay::added(Execution&, const Event& event) {
+void Replay::added(ExecutionState&, const Event& event) {
   if (position_ == schedule_.steps.size()) return;
   const Step& step = schedule_.steps[position_++];
   --remaining_[step.thread];

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stress/checker/execution.hpp"
+#include "stress/checker/execution_state.hpp"
 
 namespace irt::checker {
 
@@ -34,11 +34,11 @@ class Replay : public Strategy {
   explicit Replay(Schedule schedule);
 
   bool begin() override;
-  unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current) override;
-  unsigned choose_other(Execution& execution, Event& event, unsigned count) override;
-  std::optional<std::size_t> planned_place(Execution& execution, Event& event,
+  unsigned choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current) override;
+  unsigned choose_other(ExecutionState& state, Event& event, unsigned count) override;
+  std::optional<std::size_t> planned_place(ExecutionState& state, Event& event,
                                            std::uint32_t location) override;
-  void added(Execution& execution, const Event& event) override;
+  void added(ExecutionState& state, const Event& event) override;
   [[nodiscard]] bool expects_more(unsigned thread) const override {
     return remaining_[thread] != 0;
   }

@@ -85,11 +85,11 @@ std::string standings(const Execution& execution, Symbols& symbols) {
   Values values(execution.heap());
   std::string text = "Where the threads stand:\n";
   for (unsigned thread = 0; thread < execution.threads(); ++thread) {
-    const auto standing = execution.standing(thread);
+    const Turns::Thread* standing = execution.standing(thread);
     const auto& events = execution.graph().thread(thread).events;
     const void* last = events.empty() ? nullptr : execution.graph().event(events.back()).pc;
     text += fmt::format("  thread {} ", thread);
-    if (execution.stopped(thread)) {
+    if (execution.stopped() == thread) {
       text += last == nullptr ? "was stopped before its first step\n"
                               : fmt::format("was stopped after {}\n", symbols.name(last));
       continue;
@@ -98,9 +98,9 @@ std::string standings(const Execution& execution, Symbols& symbols) {
       text += "has ended\n";
       continue;
     }
-    const void* pc = standing ? standing->pc : last;
+    const void* pc = standing != nullptr ? standing->wait_pc : last;
     text += fmt::format("{} at {}",
-                        !standing                 ? "was"
+                        standing == nullptr       ? "was"
                         : standing->sleeps        ? "sleeps"
                         : standing->location != 0 ? "waits"
                                                   : "loops",

@@ -20,19 +20,19 @@ using stress::WorkerState;
 
 Stamp VirtualCore::stamp() {
   // 0 where the threads do not run.
-  const std::uint64_t tick = run_.clocked ? Execution::current_execution()->tick() : 0;
+  const std::uint64_t tick = run_.clocked ? Execution::current_execution()->kernel().tick() : 0;
   return run_.now = std::max(tick, run_.now + 1);
 }
 
 irt::Deadline VirtualCore::now() {
-  return irt::Deadline(std::chrono::nanoseconds(Execution::current_execution()->time()));
+  return irt::Deadline(std::chrono::nanoseconds(Execution::current_execution()->kernel().time()));
 }
 
 Stamp VirtualCore::enter(Kind kind) {
   const Execution& execution = *Execution::current_execution();
   const Stamp now = stamp();
   call_ = run_.calls.size();
-  const unsigned thread = execution.current();
+  const unsigned thread = execution.state().current();
   run_.calls.push_back({.kind = kind,
                         .thread = thread,
                         .worker = state_.worker,
@@ -72,7 +72,7 @@ bool VirtualCore::sees_payload(Element e) {
 }
 
 void VirtualCore::wait_for_all() {
-  Execution::current_execution()->meet(run_.workers);
+  Execution::current_execution()->kernel().meet(run_.workers);
 }
 
 // --- The client -------------------------------------------------------------------------------
@@ -158,7 +158,7 @@ void ScenarioClient::run(unsigned worker) {
   } catch (const stress::Complaint& broken) {
     complaint = broken.what();
   }
-  Execution::current_execution()->report(FindingKind::wrong_outcome, complaint, {});
+  Execution::current_execution()->conclusion().report(FindingKind::wrong_outcome, complaint, {});
 }
 
 // On behalf of every worker that may pop, until all of them find nothing.

@@ -25,7 +25,7 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
       fmt::format("{}: {}\n\n", checker::name_of(finding.kind), sentence(finding, symbols));
   const auto execution = repeat(client.program(), options, result.schedule);
   if (execution != nullptr) {
-    for (const auto& [thread, place] : execution->failed_at())
+    for (const auto& [thread, place] : execution->allocations().failed_at())
       text += fmt::format("There was no memory for what thread {} allocates at {}.\n\n", thread,
                           symbols.name(place));
     text += picture(*execution, client.operations(), symbols);

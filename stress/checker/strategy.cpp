@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "stress/checker/execution.hpp"
-
 namespace irt::checker {
 
-void Strategy::end(const Execution&, Outcome) {}
-void Strategy::added(Execution&, const Event&) {}
-std::optional<std::size_t> Strategy::planned_place(Execution&, Event&, std::uint32_t) {
+void Strategy::added(ExecutionState&, const Event&) {}
+std::optional<std::size_t> Strategy::planned_place(ExecutionState&, Event&, std::uint32_t) {
   return std::nullopt;
 }
 bool Strategy::expects_more(unsigned) const {
@@ -22,7 +19,7 @@ std::uint32_t Strategy::choose(ChoiceKind, std::uint32_t) {
   return 0;
 }
 
-unsigned Strategy::choose_thread(Execution&, std::uint32_t runnable, unsigned current) {
+unsigned Strategy::choose_thread(ExecutionState&, std::uint32_t runnable, unsigned current) {
   const auto count = static_cast<std::uint32_t>(std::popcount(runnable));
   const bool stays = current < 32 && (runnable >> current & 1U) != 0;
   std::uint32_t choice = count == 1 ? 0 : choose(ChoiceKind::thread, count);
@@ -35,7 +32,7 @@ unsigned Strategy::choose_thread(Execution&, std::uint32_t runnable, unsigned cu
   return static_cast<unsigned>(std::countr_zero(runnable));
 }
 
-std::size_t Strategy::choose_read(Execution&, Event&, std::uint32_t,
+std::size_t Strategy::choose_read(ExecutionState&, Event&, std::uint32_t,
                                   std::span<const ReadOption> options) {
   const auto open = static_cast<std::uint32_t>(
       std::count_if(options.begin(), options.end(), [](const ReadOption& o) { return !o.taken; }));
@@ -44,13 +41,13 @@ std::size_t Strategy::choose_read(Execution&, Event&, std::uint32_t,
     if (!options[i].taken && choice-- == 0) return i;
 }
 
-std::size_t Strategy::choose_place(Execution&, Event&, std::uint32_t,
+std::size_t Strategy::choose_place(ExecutionState&, Event&, std::uint32_t,
                                    std::span<const std::size_t> places) {
   const auto count = static_cast<std::uint32_t>(places.size());
   return count == 1 ? 0 : choose(ChoiceKind::place, count);
 }
 
-unsigned Strategy::choose_other(Execution&, Event&, unsigned count) {
+unsigned Strategy::choose_other(ExecutionState&, Event&, unsigned count) {
   return choose(ChoiceKind::other, count);
 }
 

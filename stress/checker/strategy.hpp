@@ -15,7 +15,7 @@
 
 namespace irt::checker {
 
-class Execution;
+struct ExecutionState;
 
 enum class ChoiceKind : std::uint8_t { thread, read, place, other };
 
@@ -36,6 +36,16 @@ struct ReadOption {
   bool taken = false;  ///< another modification has already read this store
 };
 
+/// What a search says of itself after an execution.
+struct Books {
+  bool left_out = false;   ///< something had to be left out, so that its end proves nothing
+  bool elsewhere = false;  ///< another part of the same search makes and counts this execution too
+  bool gives_up = false;   ///< the execution, although at its end, is to be passed over
+  bool differs = false;    ///< it had other alternatives than the one that it was to repeat
+  /// Threads that it took for equal turned out to differ, so that it proves nothing.
+  bool loses_symmetry = false;
+};
+
 class Strategy {
  public:
   Strategy() = default;
@@ -45,36 +55,22 @@ class Strategy {
 
   /// Prepares the next execution; false when there is none.
   virtual bool begin() = 0;
-  virtual void end(const Execution& execution, Outcome outcome);
 
   /// One of `runnable`, which has a bit for each thread and is not 0; or `virtual_cores::host` to
   /// give the execution up. `current` is the thread that runs (perhaps not runnable).
-  virtual unsigned choose_thread(Execution& execution, std::uint32_t runnable, unsigned current);
+  virtual unsigned choose_thread(ExecutionState& state, std::uint32_t runnable, unsigned current);
   /// One of `options`, newest store first. Only options that are not `taken` may be chosen.
-  virtual std::size_t choose_read(Execution& execution, Event& event, std::uint32_t location,
+  virtual std::size_t choose_read(ExecutionState& state, Event& event, std::uint32_t location,
                                   std::span<const ReadOption> options);
   /// One of `places`, last first.
-  virtual std::size_t choose_place(Execution& execution, Event& event, std::uint32_t location,
+  virtual std::size_t choose_place(ExecutionState& state, Event& event, std::uint32_t location,
                                    std::span<const std::size_t> places);
-  virtual unsigned choose_other(Execution& execution, Event& event, unsigned count);
-  /// Whether something had to be left out, so that the end of the search proves nothing.
-  [[nodiscard]] virtual bool left_out() const { return false; }
-  /// Estimated part of the search that is done, from 0 to 1; 0 where nobody knows.
-  [[nodiscard]] virtual double explored() const { return 0; }
-  /// Whether another part of the same search makes this execution too, and counts it.
-  [[nodiscard]] virtual bool counted_elsewhere() const { return false; }
+  virtual unsigned choose_other(ExecutionState& state, Event& event, unsigned count);
   /// `event` is now part of the graph.
-  virtual void added(Execution& execution, const Event& event);
-  /// Whether the execution, although at its end, is to be passed over.
-  [[nodiscard]] virtual bool gives_up() const { return false; }
-  /// Whether threads that it took for equal turned out to differ, so that it proves nothing.
-  [[nodiscard]] virtual bool loses_symmetry() const { return false; }
-  /// Whether an execution had other alternatives than the one that it was to repeat.
-  [[nodiscard]] virtual bool differs() const { return false; }
-
+  virtual void added(ExecutionState& state, const Event& event);
   /// A place that is settled beforehand, for a strategy that repeats what it knows: of the store
   /// that `event` reads or, for a plain store, of the one before it.
-  virtual std::optional<std::size_t> planned_place(Execution& execution, Event& event,
+  virtual std::optional<std::size_t> planned_place(ExecutionState& state, Event& event,
                                                    std::uint32_t location);
   /// Whether it is settled that `thread` goes on, however much it looks like waiting.
   [[nodiscard]] virtual bool expects_more(unsigned thread) const;
@@ -87,8 +83,10 @@ class Strategy {
   /// Whether a waiting thread goes on in the same execution once there is a new store. A strategy
   /// that explores the alternatives of each read by other means says no.
   [[nodiscard]] virtual bool resumes_waiting() const { return true; }
-  /// Whether stores may come before older stores in modification order.
-  [[nodiscard]] virtual bool places_stores() const { return true; }
+
+  [[nodiscard]] virtual Books books() const { return {}; }
+  /// Estimated part of the search that is done, from 0 to 1; 0 where nobody knows.
+  [[nodiscard]] virtual double explored() const { return 0; }
 
  protected:
   /// What the four above ask unless overridden: a number below `count`, which is at least 2.

@@ -23,7 +23,7 @@ TEST(Orders, lcrq_goes_on_in_the_next_ring_behind_what_linked_it) {
   ASSERT_FALSE(seen.finding) << seen.finding->text;
 
   // Push and pop look for the next ring by the same line; push comes first.
-  Symbols symbols(module);
+  symbols::Symbols symbols(module);
   std::map<unsigned, std::vector<OrderSite>> looks;
   for (const OrderSite& site : seen.order_sites) {
     const symbols::Line& line = symbols.at(site.pc);

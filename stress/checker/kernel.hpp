@@ -1,0 +1,77 @@
+/// What threads ask of a kernel, put into the graph: locks and futexes, and what programs wait for
+/// each other by. Each is an object at an address that no program has; time and random numbers are
+/// the same in every execution.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "stress/checker/accesses.hpp"
+#include "stress/checker/alone.hpp"
+#include "stress/checker/execution_state.hpp"
+#include "stress/checker/loops.hpp"
+#include "stress/checker/turns.hpp"
+
+namespace irt::checker {
+
+class Kernel {
+ public:
+  Kernel(ExecutionState& state, Turns& turns, Alone& alone, Loops& loops, Accesses& accesses)
+      : state_(state),
+        turns_(turns),
+        alone_(alone),
+        loops_(loops),
+        accesses_(accesses),
+        asked_(state.threads + 1) {}
+
+  /// The next execution begins.
+  void begin() { asked_.assign(asked_.size(), {}); }
+
+  // See Tenant.
+  bool lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc);
+  bool try_lock(std::uintptr_t address, const void* pc);
+  void unlock(std::uintptr_t address, const void* pc);
+  virtual_cores::Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
+                           const void* pc);
+  unsigned wake(std::uintptr_t address, unsigned count, const void* pc);
+  std::int64_t now();
+  std::uint64_t random();
+
+  // For programs.
+  /// Lets those that await it go on; what came before happens before what they do.
+  void signal();
+  void await_signal();
+  /// Waits until `threads` threads have come here as often as this one; what each did before
+  /// happens before what any does afterwards. While the threads run only.
+  void meet(unsigned threads);
+  /// The time on a clock that all threads read in one order, and that makes nothing they did before
+  /// visible to the others. From 1 on; 0 before and after the threads.
+  std::uint64_t tick();
+  /// The time on the clock that the code of the thread in progress sees, in nanoseconds. It passes
+  /// with each look, and where a wait with a time-out is in vain.
+  [[nodiscard]] std::int64_t time() const {
+    const Asked& me = asked_[state_.current()];
+    return me.clock * 1000 + me.waited;
+  }
+
+ private:
+  struct Asked {
+    std::int64_t clock = 0;  ///< so often for the time
+    std::uint64_t random = 0;
+    std::int64_t waited = 0;  ///< nanoseconds that passed while it waited in vain
+  };
+
+  virtual_cores::Wake wait_alone(std::uintptr_t address, std::uint32_t expected,
+                                 std::int64_t nanoseconds, const void* pc);
+  bool times_out(std::int64_t nanoseconds, const void* pc);
+  void look_outside();
+
+  ExecutionState& state_;
+  Turns& turns_;
+  Alone& alone_;
+  Loops& loops_;
+  Accesses& accesses_;
+  std::vector<Asked> asked_;  ///< by thread
+};
+
+}  // namespace irt::checker

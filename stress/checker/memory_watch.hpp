@@ -1,0 +1,31 @@
+/// What is wrong with an access to memory, whatever it reads: races, lifetimes, bounds.
+#pragma once
+
+#include <cstdint>
+
+#include "stress/checker/alone.hpp"
+#include "stress/checker/execution_state.hpp"
+
+namespace irt::checker {
+
+class MemoryWatch {
+ public:
+  MemoryWatch(ExecutionState& state, Alone& alone) : state_(state), alone_(alone) {}
+
+  /// The thread in progress is about to read or write.
+  void touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic, const void* pc);
+  /// It is about to free what begins at `address`, if that can be freed. Returns the block.
+  Block& free(std::uintptr_t address, const void* pc);
+
+ private:
+  void check_race(const Cell& cell, const Touch& touch);
+  [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, bool atomic,
+                                    const void* pc);
+  void check_users(const Block& block, const void* pc);
+  [[nodiscard]] Moment here(const void* pc, std::string what, std::string note = "") const;
+
+  ExecutionState& state_;
+  Alone& alone_;
+};
+
+}  // namespace irt::checker
