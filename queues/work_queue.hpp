@@ -44,8 +44,9 @@
 /// As so many calls of `push` or `pop` one after the other, in the order of the span, up to the
 /// first that answers false. `pop_bulk` may also stop earlier, but not before the first element.
 ///
-/// Elements are trivially copyable words of at most eight bytes. Construction and destruction are
-/// single-threaded; a queue may be destroyed while it still holds elements.
+/// Elements are trivially copyable words of at most eight bytes, and what else the queue claims to
+/// take (`Claims::elements`). Construction and destruction are single-threaded; a queue may be
+/// destroyed while it still holds elements.
 #pragma once
 
 #include <array>
@@ -61,6 +62,9 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
+
+#include "queues/elements.hpp"
 
 namespace irt {
 
@@ -135,6 +139,14 @@ struct ReservedWords {
   }
 };
 
+/// Elements beyond words that a queue takes.
+struct Elements {
+  bool large = false;  ///< trivially copyable ones of up to 64 bytes
+  bool owner = false;  ///< those that move and cannot be copied, with a destructor
+  /// Those whose copy may throw. A push that throws has had no effect.
+  bool copied = false;
+};
+
 /// What the author of a queue promises. The suites test each line; none is taken on trust.
 struct Claims {
   Ordering ordering = Ordering::unordered;
@@ -152,6 +164,7 @@ struct Claims {
   bool all_ones_reserved = false;  ///< the word with all bits set cannot be an element
   ReservedWords reserved{};        ///< further words that cannot be elements
   std::uint64_t unused_bits = 0;   ///< bits that must be 0 in every element
+  Elements elements{};             ///< that it takes besides words
   /// A call that finds no memory throws std::bad_alloc or answers false, and has had no effect.
   /// Without this promise no tool lets an allocation fail.
   bool survives_no_memory = true;
@@ -302,6 +315,56 @@ class AnyWorkQueue {
   }
 };
 
+/// The face of the concrete queue `Q` of words, through elements that carry a word each
+/// (elements.hpp).
+template <class Element, class Q>
+class ElementFace final : public AnyWorkQueue<std::uint64_t> {
+ public:
+  ElementFace(unsigned workers, std::size_t capacity) : queue_(workers, capacity) {}
+
+  bool push(unsigned worker, std::uint64_t word) override {
+    Element element(word);
+    if constexpr (std::is_copy_constructible_v<Element>)
+      return queue_.push(worker, element);
+    else
+      return queue_.push(worker, std::move(element));
+  }
+  bool pop(unsigned worker, std::uint64_t& word) override {
+    return taken(word, [&](Element& element) { return queue_.pop(worker, element); });
+  }
+  bool pop_wait(unsigned worker, std::uint64_t& word) override {
+    if constexpr (PopsWaiting<Q, Element>)
+      return taken(word, [&](Element& element) { return queue_.pop_wait(worker, element); });
+    return AnyWorkQueue::pop_wait(worker, word);
+  }
+  PopStatus pop_wait(unsigned worker, std::uint64_t& word, Deadline deadline) override {
+    if constexpr (PopsUntil<Q, Element>) {
+      PopStatus status = PopStatus::closed;
+      taken(word, [&](Element& element) {
+        status = queue_.pop_wait(worker, element, deadline);
+        return status == PopStatus::success;
+      });
+      return status;
+    }
+    return AnyWorkQueue::pop_wait(worker, word, deadline);
+  }
+  void close() override {
+    if constexpr (PopsWaiting<Q, Element>) return queue_.close();
+    AnyWorkQueue::close();
+  }
+
+ private:
+  template <class Pop>
+  static bool taken(std::uint64_t& word, Pop pop) {
+    Element element;
+    if (!pop(element)) return false;
+    word = element.word();
+    return true;
+  }
+
+  Q queue_;
+};
+
 /// The face of the concrete queue `Q`.
 template <class T, WorkQueueOf<T> Q>
 class WorkQueueFace final : public AnyWorkQueue<T> {
@@ -337,6 +400,17 @@ class WorkQueueFace final : public AnyWorkQueue<T> {
   Q queue_;
 };
 
+using WordQueueMaker = std::unique_ptr<AnyWorkQueue<std::uint64_t>> (*)(unsigned workers,
+                                                                        std::size_t capacity);
+
+/// Queues of words that go through elements of another kind; null where the queue does not claim to
+/// take those.
+struct ElementQueueMakers {
+  WordQueueMaker large = nullptr;
+  WordQueueMaker owner = nullptr;
+  WordQueueMaker copied = nullptr;
+};
+
 /// A queue by name, as the tools see it.
 struct QueueEntry {
   std::string_view name;     ///< on the command line: lower case, words joined by '-'
@@ -344,9 +418,29 @@ struct QueueEntry {
   Claims claims;
   Methods methods;  ///< the optional ones that it has
   std::unique_ptr<AnyWorkQueue<void*>> (*make_task_queue)(unsigned workers, std::size_t capacity);
-  std::unique_ptr<AnyWorkQueue<std::uint64_t>> (*make_word_queue)(unsigned workers,
-                                                                  std::size_t capacity);
+  WordQueueMaker make_word_queue;
+  ElementQueueMakers make_element_queue{};
 };
+
+/// A kind of elements that are no words, as the tools name it.
+struct ElementKind {
+  std::string_view name;
+  std::string_view words;     ///< after "elements"
+  WordQueueMaker make_queue;  ///< of this queue; null where it does not claim to take them
+};
+
+constexpr std::array<ElementKind, 3> element_kinds(const QueueEntry& entry) {
+  return {{{"large", "of 64 bytes", entry.make_element_queue.large},
+           {"owner", "that own memory and move", entry.make_element_queue.owner},
+           {"copied", "that own memory and are copied", entry.make_element_queue.copied}}};
+}
+
+/// The queue of `entry` as one whose words go through elements of `kind`.
+constexpr QueueEntry through_elements(QueueEntry entry, const ElementKind& kind) {
+  entry.make_word_queue = kind.make_queue;
+  entry.methods.bulk = false;
+  return entry;
+}
 
 /// Throws std::invalid_argument, with one line for the user, where `Q` may not be made for so many.
 template <class Q>
@@ -355,6 +449,18 @@ void require_workers(unsigned workers) {
   throw std::invalid_argument("this queue (" + std::string(Q::summary) + ") is for at most " +
                               std::to_string(Q::claims.max_workers) + " workers, and " +
                               std::to_string(workers) + " were asked for; use fewer threads");
+}
+
+/// Makes queues of `Element` if they are `claimed`.
+template <template <class> class Q, class Element, bool claimed>
+constexpr WordQueueMaker element_queue_maker() {
+  if constexpr (claimed)
+    return
+        [](unsigned workers, std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
+          require_workers<Q<Element>>(workers);
+          return std::make_unique<ElementFace<Element, Q<Element>>>(workers, capacity);
+        };
+  return nullptr;
 }
 
 /// The entry of `Q` under `name`. Its factories throw std::invalid_argument for more workers than
@@ -383,6 +489,10 @@ constexpr QueueEntry queue_entry(std::string_view name) {
         require_workers<Q<std::uint64_t>>(workers);
         return std::make_unique<WorkQueueFace<std::uint64_t, Q<std::uint64_t>>>(workers, capacity);
       },
+      .make_element_queue =
+          {.large = element_queue_maker<Q, LargeElement, Q<void*>::claims.elements.large>(),
+           .owner = element_queue_maker<Q, OwnerElement, Q<void*>::claims.elements.owner>(),
+           .copied = element_queue_maker<Q, CopiedElement, Q<void*>::claims.elements.copied>()},
   };
 }
 

@@ -8,12 +8,14 @@
 /// Memory: blocks of the deque, returned as they empty. Unbounded.
 #pragma once
 
+#include <concepts>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "queues/work_queue.hpp"
 
@@ -23,7 +25,8 @@ template <class T>
 class MutexQueue {
  public:
   static constexpr std::string_view summary = "a deque under one mutex: the null hypothesis";
-  static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
+  static constexpr Claims claims{.ordering = Ordering::fifo_real_time,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   MutexQueue(unsigned /*workers*/, std::size_t /*capacity*/) {}
 
@@ -31,7 +34,7 @@ class MutexQueue {
   bool push(unsigned /*worker*/, T task) {
     std::unique_lock lock(mutex_);
     if (closed_) return false;
-    tasks_.push_back(task);
+    tasks_.push_back(std::move(task));
     const bool wakes = waiting_ != 0;
     lock.unlock();
     if (wakes) changed_.notify_one();
@@ -71,7 +74,7 @@ class MutexQueue {
   }
 
   /// Adds all of `tasks` at once, or none once the queue is closed. Blocking.
-  std::size_t push_bulk(unsigned /*worker*/, std::span<const T> tasks) {
+  std::size_t push_bulk(unsigned /*worker*/, std::span<const T> tasks) requires std::copyable<T> {
     std::unique_lock lock(mutex_);
     if (closed_) return 0;
     for (const T& task : tasks) tasks_.push_back(task);
@@ -92,7 +95,7 @@ class MutexQueue {
  private:
   bool take(T& task) {
     if (tasks_.empty()) return false;
-    task = tasks_.front();
+    task = std::move(tasks_.front());
     tasks_.pop_front();
     return true;
   }

@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "queues/cache_line.hpp"
 #include "queues/work_queue.hpp"
@@ -35,7 +36,8 @@ class TwoLockQueue {
  public:
   static constexpr std::string_view summary =
       "LOCK (thesis 7.1): linked list, one mutex for each end";
-  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before};
+  static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   TwoLockQueue(unsigned /*workers*/, std::size_t /*capacity*/) {}
   TwoLockQueue(const TwoLockQueue&) = delete;
@@ -52,7 +54,7 @@ class TwoLockQueue {
 
   /// Adds `task` at the back. Blocking: waits for other pushes. Always true.
   bool push(unsigned /*worker*/, T task) {
-    Node* node = new Node{task};
+    Node* node = new Node{std::move(task)};
     const std::lock_guard lock(add_mutex_);
     // (1) release: pairs with the acquire load (2) in pop(), so that the task is read as written
     tail_->next.store(node, std::memory_order_release);
@@ -68,7 +70,7 @@ class TwoLockQueue {
       // (2) acquire: pairs with the release store (1) in push()
       Node* first = head_->next.load(std::memory_order_acquire);
       if (first == nullptr) return false;
-      task = first->task;
+      task = std::move(first->task);
       old = head_;
       head_ = first;
     }

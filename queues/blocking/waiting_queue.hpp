@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "queues/blocking/closing.hpp"
 #include "queues/blocking/event_count.hpp"
@@ -42,7 +43,8 @@ struct Waiting {
     /// Adds `task`; false where the queue inside is full, or closed. Progress: that of the inner
     /// push.
     bool push(unsigned worker, T task) {
-      if (!closing_.push(worker, [&] { return inner_.push(worker, task); })) return false;
+      if (!closing_.push(worker, [&] { return inner_.push(worker, std::move(task)); }))
+        return false;
       event_.notify_one();
       return true;
     }

@@ -20,6 +20,7 @@
 #include <new>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include "queues/cache_line.hpp"
 #include "queues/work_queue.hpp"
@@ -33,12 +34,13 @@ class MoodycamelQueue {
   static constexpr Claims claims{.ordering = Ordering::unordered,
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
-                                 .reclamation = Reclamation::free_list};
+                                 .reclamation = Reclamation::free_list,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   MoodycamelQueue(unsigned /*workers*/, std::size_t capacity) : queue_(capacity) {}
 
   /// Adds `task`. Lock-free. Always true.
-  bool push(unsigned /*worker*/, T task) { return queue_.enqueue(task); }
+  bool push(unsigned /*worker*/, T task) { return queue_.enqueue(std::move(task)); }
 
   /// Takes a task; false if it sees none. Lock-free.
   bool pop(unsigned /*worker*/, T& task) { return queue_.try_dequeue(task); }
@@ -65,7 +67,8 @@ class MoodycamelTokenQueue {
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
                                  .empty = Answer::this_worker,
-                                 .reclamation = Reclamation::free_list};
+                                 .reclamation = Reclamation::free_list,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   MoodycamelTokenQueue(unsigned workers, std::size_t capacity) : queue_(capacity) {
     for (unsigned worker = 0; worker < workers; ++worker)
@@ -74,7 +77,9 @@ class MoodycamelTokenQueue {
   }
 
   /// Adds `task`. Lock-free. Always true.
-  bool push(unsigned worker, T task) { return queue_.enqueue(tokens_[worker].producer, task); }
+  bool push(unsigned worker, T task) {
+    return queue_.enqueue(tokens_[worker].producer, std::move(task));
+  }
 
   /// Takes a task; false if it sees none. Lock-free.
   bool pop(unsigned worker, T& task) { return queue_.try_dequeue(tokens_[worker].consumer, task); }

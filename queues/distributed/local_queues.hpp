@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "queues/cache_line.hpp"
@@ -30,14 +31,15 @@ class LocalQueues {
                                  .push = Progress::wait_free,
                                  .pop = Progress::wait_free,
                                  .producers = Callers::own_worker,
-                                 .consumers = Callers::own_worker};
+                                 .consumers = Callers::own_worker,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   LocalQueues(unsigned workers, std::size_t /*capacity*/) : lists_(workers) {}
 
   /// Adds `task` at the back of `worker`'s queue. Wait-free. Always true.
   bool push(unsigned worker, T task) {
     List& list = lists_[worker];
-    list.tail->next = new Node{task};
+    list.tail->next = new Node{std::move(task)};
     list.tail = list.tail->next;
     return true;
   }
@@ -47,7 +49,7 @@ class LocalQueues {
     List& list = lists_[worker];
     Node* first = list.head->next;
     if (first == nullptr) return false;
-    task = first->task;
+    task = std::move(first->task);
     delete list.head;
     list.head = first;
     return true;

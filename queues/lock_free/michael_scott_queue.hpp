@@ -183,7 +183,8 @@ class MichaelScottQueue : public MichaelScottList<T, TwoHazardPointers> {
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .push = Progress::lock_free,
                                  .pop = Progress::lock_free,
-                                 .reclamation = Reclamation::hazard_pointers};
+                                 .reclamation = Reclamation::hazard_pointers,
+                                 .elements = {.large = true}};
   using MichaelScottList<T, TwoHazardPointers>::MichaelScottList;
 };
 

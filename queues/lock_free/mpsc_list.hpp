@@ -16,6 +16,7 @@
 
 #include <atomic>
 #include <string_view>
+#include <utility>
 
 #include "queues/cache_line.hpp"
 #include "queues/work_queue.hpp"
@@ -30,7 +31,8 @@ class MpscList {
                                  .push = Progress::wait_free,
                                  .pop = Progress::wait_free,
                                  .empty = Answer::calls_in_flight,
-                                 .consumers = Callers::one};
+                                 .consumers = Callers::one,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   MpscList(unsigned /*workers*/, std::size_t /*capacity*/) {}
   MpscList(const MpscList&) = delete;
@@ -47,7 +49,7 @@ class MpscList {
 
   /// Adds `task` at the back. Wait-free. Always true.
   bool push(unsigned /*worker*/, T task) {
-    Node* node = new Node{task};
+    Node* node = new Node{std::move(task)};
     // (1) acq_rel: pairs with this very line of mpsc_list.hpp in the next push, which writes to the
     // node that this one made
     Node* last = newest_.exchange(node, std::memory_order_acq_rel);
@@ -61,7 +63,7 @@ class MpscList {
     // (3) acquire: pairs with (2)
     Node* next = oldest_->next.load(std::memory_order_acquire);
     if (next == nullptr) return false;
-    task = next->task;
+    task = std::move(next->task);
     delete oldest_;
     oldest_ = next;
     return true;

@@ -18,6 +18,7 @@
 #include <atomic>
 #include <cstddef>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "queues/cache_line.hpp"
@@ -36,7 +37,8 @@ class SpscRing {
                                  .bounded = true,
                                  .producers = Callers::one,
                                  .consumers = Callers::one,
-                                 .reclamation = Reclamation::preallocated};
+                                 .reclamation = Reclamation::preallocated,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   SpscRing(unsigned /*workers*/, std::size_t capacity)
       : places_(std::max<std::size_t>(capacity, 1)) {}
@@ -50,7 +52,7 @@ class SpscRing {
       producer_.others = consumer_.done.load(std::memory_order_acquire);
       if (pushed - producer_.others == places_.size()) return false;
     }
-    places_[producer_.place] = task;
+    places_[producer_.place] = std::move(task);
     advance(producer_.place);
     // (2) release: pairs with (3), so that the task is read as written
     producer_.done.store(pushed + 1, std::memory_order_release);
@@ -66,7 +68,7 @@ class SpscRing {
       consumer_.others = producer_.done.load(std::memory_order_acquire);
       if (popped == consumer_.others) return false;
     }
-    task = places_[consumer_.place];
+    task = std::move(places_[consumer_.place]);
     advance(consumer_.place);
     // (4) release: pairs with (1)
     consumer_.done.store(popped + 1, std::memory_order_release);

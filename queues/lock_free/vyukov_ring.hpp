@@ -22,6 +22,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "queues/cache_line.hpp"
@@ -35,7 +36,8 @@ class VyukovRing {
   static constexpr std::string_view summary = "Vyukov's bounded ring, a turn in each place";
   static constexpr Claims claims{.ordering = Ordering::per_producer_fifo,
                                  .bounded = true,
-                                 .reclamation = Reclamation::preallocated};
+                                 .reclamation = Reclamation::preallocated,
+                                 .elements = {.large = true, .owner = true, .copied = true}};
 
   VyukovRing(unsigned /*workers*/, std::size_t capacity)
       : places_(std::bit_ceil(std::max<std::size_t>(capacity, 2))), mask_(places_.size() - 1) {
@@ -58,7 +60,7 @@ class VyukovRing {
         ticket = tail_.load(std::memory_order_relaxed);
         // relaxed: a ticket is given once by being a read-modify-write, whatever its order
       } else if (tail_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_relaxed)) {
-        place.task = task;
+        place.task = std::move(task);
         // (2) release: pairs with (3), so that the task is read as written
         place.turn.store(ticket + 1, std::memory_order_release);
         return true;
@@ -80,7 +82,7 @@ class VyukovRing {
         ticket = head_.load(std::memory_order_relaxed);
         // relaxed: as in push()
       } else if (head_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_relaxed)) {
-        task = place.task;
+        task = std::move(place.task);
         // (4) release: pairs with (1)
         place.turn.store(ticket + places_.size(), std::memory_order_release);
         return true;

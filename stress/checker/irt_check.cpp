@@ -36,6 +36,7 @@ struct CommandLine {
   std::vector<std::string> plugins;
   std::string module;
   std::string scenario;
+  std::string element;  ///< the kind of elements; empty: words
   unsigned threads = 0;
   unsigned operations = 1;
   std::string strategy = "auto";
@@ -198,9 +199,23 @@ int run_scenario(const CommandLine& line, const irt::QueueEntry& entry,
   return result.result.finding ? 1 : 0;
 }
 
+/// `entry` as a queue of elements of the kind `name`; as it is where that is empty.
+irt::QueueEntry with_elements(const irt::QueueEntry& entry, const std::string& name) {
+  if (name.empty()) return entry;
+  for (const irt::ElementKind& kind : irt::element_kinds(entry)) {
+    if (kind.name != name) continue;
+    if (kind.make_queue != nullptr) return irt::through_elements(entry, kind);
+    throw irt::UsageError(fmt::format(
+        "--element {}: queue {} does not claim to take elements {}; its claims would say "
+        ".elements = {{.{} = true}}",
+        name, entry.name, kind.words, name));
+  }
+  throw irt::UsageError("--element " + name + ": there are large, owner and copied");
+}
+
 int run(const CommandLine& line) {
   irt::virtual_cores::Module module(line.module);
-  const irt::QueueEntry& entry = irt::virtual_cores::queue_of(module);
+  const irt::QueueEntry entry = with_elements(irt::virtual_cores::queue_of(module), line.element);
   if (!entry.claims.carries_elements)
     throw irt::UsageError(fmt::format(
         "queue {} only counts and carries nothing; irt bench alone can use it", entry.name));
@@ -236,6 +251,7 @@ int run(const CommandLine& line) {
   if (settings.options.limits.spurious_wakeups) command += " --spurious";
   if (settings.options.limits.weak_may_fail) command += " --weak";
   if (line.real_time) command += " --real-time";
+  if (!line.element.empty()) command += " --element " + line.element;
   if (settings.options.limits.failing_allocations != 0)
     command +=
         fmt::format(" --failing-allocations {}", settings.options.limits.failing_allocations);
@@ -368,6 +384,9 @@ int run(int argc, char** argv) {
                fmt::format("age queues by nearly 2^32 pairs of a push and a pop, not 2^16, which "
                            "takes minutes: --seconds is {} then",
                            seconds_for_old));
+  app.add_option("--element", line.element,
+                 "large, owner or copied: with elements of 64 bytes, that own memory and move, or "
+                 "that are copied and may throw, of queues that claim to take them");
   app.add_flag("--real-time", line.real_time,
                "order calls by a clock too (default: in a search of its own, if the queue claims "
                "fifo_real_time)");

@@ -28,6 +28,7 @@ namespace {
 /// to those that follow; what is left at last belongs to generated shapes.
 namespace until {
 constexpr double first_look = 0.03;  // for each shape
+constexpr double elements = 0.2;
 constexpr double proofs = 0.6;
 constexpr double pos = 0.66;
 constexpr double bounded = 0.7;
@@ -63,7 +64,8 @@ class QueueCheck {
         module_(module),
         settings_(as_seen(settings, module)),
         shapes_(settings.shapes.empty() ? battery(entry.claims, entry.methods) : settings.shapes),
-        searches_(entry, module, settings_, command),
+        command_(command),
+        searches_(entry, module, settings_, command_),
         clocked_(settings.real_time.value_or(false)) {}
 
   QueueResult run() {
@@ -106,6 +108,8 @@ class QueueCheck {
     most_seconds_ = until::first_look * settings_.seconds;
     auto open = search_all(shapes_, Search::exhaustive, until::proofs);
     most_seconds_ = 1e9;
+    const bool chosen = !settings_.shapes.empty();
+    if (!chosen) search_elements();
     const auto large = search_all(deferred_, Search::exhaustive, until::proofs);
     open.insert(open.end(), large.begin(), large.end());
     search_all(open, Search::pos, until::pos);
@@ -113,7 +117,6 @@ class QueueCheck {
     search_all(open, Search::pct, until::pct);
     search_without_memory();
     stop_threads();
-    const bool chosen = !settings_.shapes.empty();
     if (!chosen) search_aged();
     if (!settings_.real_time && entry_.claims.ordering == Ordering::fifo_real_time) {
       clocked_ = true;
@@ -190,15 +193,16 @@ class QueueCheck {
     for (ShapeResult& shape : results) add(std::move(shape));
   }
 
+  /// Who waits for an element that there was no memory for would wait for ever.
+  static bool waits(const std::string& shape) { return shape.find('P') != std::string::npos; }
+
   /// One allocation of the threads fails, where they allocate; then the queue is used once more.
   void search_without_memory() {
     const bool promised = entry_.claims.survives_no_memory && settings_.no_memory;
     if (!promised || settings_.options.limits.failing_allocations != 0) return;
     std::vector<std::string> shapes;
     for (const std::string& shape : shapes_)
-      // Who waits for an element that there was no memory for would wait for ever.
-      if (allocating_.contains(shape) && shape.find('P') == std::string::npos)
-        shapes.push_back(shape);
+      if (allocating_.contains(shape) && !waits(shape)) shapes.push_back(shape);
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
       Shape used_again = parse_shape(shapes[i]);
       if (settings_.shapes.empty() && used_again.epilogue.empty()) used_again.epilogue = "E";
@@ -215,6 +219,7 @@ class QueueCheck {
     Origin origin = Origin::battery;
     std::uint64_t whole = 0;    ///< executions of the whole search, at most
     std::uint64_t samples = 0;  ///< and of the one after it, if that was not enough
+    unsigned failing_allocations = 0;
   };
 
   /// The search of one shape, and its samples if there are any.
@@ -224,7 +229,11 @@ class QueueCheck {
     std::vector<ShapeResult> results{
         {.shape = text, .search = label(Search::exhaustive), .origin = small.origin}};
     searches.search(results[0], Search::exhaustive,
-                    {.seconds = seconds, .executions = small.whole, .clocked = clocked_}, found);
+                    {.seconds = seconds,
+                     .executions = small.whole,
+                     .clocked = clocked_,
+                     .failing_allocations = small.failing_allocations},
+                    found);
     const Result& whole = results[0].result;
     if (whole.finished || whole.finding || !whole.incomplete.empty() || small.samples == 0 ||
         done())
@@ -233,7 +242,8 @@ class QueueCheck {
     searches.search(sampled, Search::pos,
                     {.seconds = std::min(seconds, left(until::all)),
                      .executions = small.samples,
-                     .clocked = clocked_},
+                     .clocked = clocked_,
+                     .failing_allocations = small.failing_allocations},
                     found);
     results.push_back(std::move(sampled));
     return results;
@@ -312,6 +322,36 @@ class QueueCheck {
     const std::vector<std::string> shapes = shapes_to_stall();
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i)
       add(searches_.stall(shapes[i], left(until::stalls) / static_cast<double>(shapes.size() - i)));
+  }
+
+  // The first shapes of the battery, with elements that the queue claims to take besides words.
+  void search_elements() {
+    constexpr std::size_t most_calls = 4;
+    std::vector<std::string> shapes;
+    for (const std::string& shape : shapes_)
+      if (calls_of(parse_shape(shape)) <= most_calls &&
+          obstacle({.pop_wait = true}, parse_shape(shape)).empty())
+        shapes.push_back(shape);
+    for (const ElementKind& kind : element_kinds(entry_)) {
+      if (kind.make_queue == nullptr) continue;
+      const QueueEntry entry = through_elements(entry_, kind);
+      const std::string command = command_ + " --element " + std::string(kind.name);
+      ShapeSearch searches(entry, module_, settings_, command);
+      // A copy that throws is one that finds no memory.
+      const unsigned most_failing = kind.name == "copied" && settings_.no_memory ? 1 : 0;
+      for (unsigned failing = 0; failing <= most_failing; ++failing)
+        for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
+          if (failing != 0 && waits(shapes[i])) continue;
+          const double seconds = left(until::elements) / static_cast<double>(shapes.size() - i);
+          const Small small{.origin = Origin::elements,
+                            .whole = 2'000,
+                            .samples = 200,
+                            .failing_allocations = failing};
+          for (ShapeResult& shape : search_small(searches, shapes[i], small, seconds))
+            add(std::move(shape));
+        }
+    }
+    say_sum(Origin::elements);
   }
 
   void search_aged() {
@@ -411,6 +451,7 @@ class QueueCheck {
   double most_seconds_ = 1e9;          ///< of one search in search_all; who needs more ...
   std::vector<std::string> deferred_;  ///< ... comes again
   const std::string no_command_{};
+  const std::string command_;
   ShapeSearch searches_;
   bool clocked_;  ///< calls are ordered by a clock
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -31,7 +31,7 @@ struct CheckSettings {
 };
 
 /// Where a shape comes from.
-enum class Origin : std::uint8_t { battery, aged, generated, clients };
+enum class Origin : std::uint8_t { battery, elements, aged, generated, clients };
 
 /// What was found out about one shape.
 struct ShapeResult {

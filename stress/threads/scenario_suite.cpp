@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -120,6 +121,8 @@ class ScenarioRunner {
           age_ > 0 ? fmt::format("after {} elements, ", age_) : "", perturbation.describe());
       if (complemented_)
         finding->evidence += "what was pushed were the complements of the elements\n";
+      if (!element_kind_.empty())
+        finding->evidence += fmt::format("the queue was one of elements {}\n", element_kind_);
       finding->repeat = assignment_.repeat;
     }
     return finding;
@@ -139,6 +142,7 @@ class ScenarioRunner {
         complemented_ = true;
       }
     }
+    draw_elements(mix_seed(seed, 104));
     // A thread that only comes and goes shows nothing.
     const std::uint64_t size = round_size(seed >> 32, roles_.workers);
     const std::uint64_t operations =
@@ -153,6 +157,18 @@ class ScenarioRunner {
       state.log.reserve(state.log_size(scenario_.generations));
     }
     payloads_.prepare(roles_.workers, states_[0].log_size(scenario_.generations), seed);
+  }
+
+  /// One round in four is of elements that are no words, if the queue claims to take any.
+  void draw_elements(std::uint64_t dice) {
+    make_queue_ = assignment_.queue.make_word_queue;
+    element_kind_ = {};
+    if (dice % 4 != 0 || scenario_.needs.bulk) return;
+    const auto kinds = element_kinds(assignment_.queue);
+    const ElementKind& kind = kinds.at(dice / 4 % kinds.size());
+    if (kind.make_queue == nullptr) return;
+    make_queue_ = kind.make_queue;
+    element_kind_ = kind.words;
   }
 
   /// Sends elements through the queue, each alone in it. None is left inside when it returns.
@@ -283,7 +299,7 @@ class ScenarioRunner {
   const Scenario& scenario_;
   Roles roles_;
   QueueMaker make_ = [this](unsigned workers, std::size_t capacity) {
-    auto queue = assignment_.queue.make_word_queue(workers, capacity);
+    auto queue = make_queue_(workers, capacity);
     if (!complemented_) return queue;
     const Complement complement(assignment_.queue.claims);
     return std::unique_ptr<ElementQueue>(new ComplementQueue(std::move(queue), complement));
@@ -291,10 +307,12 @@ class ScenarioRunner {
   Payloads payloads_;
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that drives the rounds
   std::vector<WorkerState> states_;
-  std::size_t capacity_ = 0;   ///< of this round's queue
-  Claims claims_;              ///< of the queue, as this round's workers see it
-  bool complemented_ = false;  ///< this round pushes complements
-  std::uint64_t age_ = 0;      ///< elements that have gone through it before the round
+  std::size_t capacity_ = 0;             ///< of this round's queue
+  Claims claims_;                        ///< of the queue, as this round's workers see it
+  bool complemented_ = false;            ///< this round pushes complements
+  WordQueueMaker make_queue_ = nullptr;  ///< of this round
+  std::string_view element_kind_;        ///< what the words go through; empty: nothing
+  std::uint64_t age_ = 0;                ///< elements that have gone through it before the round
   Verdict sums_;
   Watchdog watchdog_;
   Team team_;

@@ -4,6 +4,7 @@
 #include "tests/stress/cases/chase.hpp"
 #include "tests/stress/cases/dropped_list.hpp"
 #include "tests/stress/cases/dropped_ring.hpp"
+#include "tests/stress/cases/element_kinds.hpp"
 #include "tests/stress/cases/endless.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
 #include "tests/stress/cases/healthy.hpp"
@@ -58,6 +59,10 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::WaitsAcceptsBug>("waits-accepts-bug"),
     irt::queue_entry<irt::WaitsLeavesBehindBug>("waits-leaves-behind-bug"),
     irt::queue_entry<irt::PopsForEver>("pops-for-ever-bug"),
+    irt::queue_entry<irt::ElementRingSound>("element-ring"),
+    irt::queue_entry<irt::ElementRingTearsBug>("element-ring-tears-bug"),
+    irt::queue_entry<irt::ElementRingTwiceBug>("element-ring-twice-bug"),
+    irt::queue_entry<irt::ElementRingCountsEarlyBug>("element-ring-counts-early-bug"),
     irt::queue_entry<irt::Proposed>("proposed"),
     irt::queue_entry<irt::ProposedDeafBug>("proposed-deaf-bug"),
     irt::queue_entry<irt::BulkySound>("bulky"),
