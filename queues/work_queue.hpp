@@ -180,6 +180,13 @@ struct Claims {
     return true;
   }
 
+  /// The least word above 0 that may be pushed.
+  [[nodiscard]] constexpr std::uint64_t some_word() const {
+    std::uint64_t word = 1;
+    while (!allows(word)) ++word;
+    return word;
+  }
+
   /// Whether one thread at a time pushes, over all workers; whether one pops. Who that is, `Roles`
   /// says (roles.hpp).
   [[nodiscard]] constexpr bool one_producer() const { return producers == Callers::one; }

@@ -68,7 +68,7 @@ json run_object(const QueueEntry& queue, const PairsOptions& options, const Coun
 
 void print(std::FILE* out, const json& run) {
   const auto number = [&run](const char* key) { return run.at(key).get<double>(); };
-  fmt::print(out, "{:<24}{:>8}{:>10.4f}{:>8.3f}{:>8.3f}{:>8.3f}{:>8.3f}{:>11.2f}{:>10.2f}\n",
+  fmt::print(out, "{:<24}{:>8}{:>10.4f}{:>8.3f}{:>8.3f}{:>8.3f}{:>8.3f}{:>13.2f}{:>10.2f}\n",
              run.at("queue").get<std::string>(), run.at("threads").get<unsigned>(),
              number("retries_per_operation"), number("compare_exchanges_per_operation"),
              number("other_modifications_per_operation"), number("atomic_loads_per_operation"),
@@ -93,7 +93,7 @@ int measure(Options options) {
   std::FILE* const out = beside(options.json_file);
   fmt::print(out,
              "Pairs of push and pop; for each successful operation:\n{:<24}{:>8}{:>10}{:>8}{:>8}"
-             "{:>8}{:>8}{:>11}{:>10}\n",
+             "{:>8}{:>8}{:>13}{:>10}\n",
              "queue", "threads", "CAS lost", "CAS", "FAA ...", "loads", "stores", "plain Mop/s",
              "slowdown");
   json runs = json::array();

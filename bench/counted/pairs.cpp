@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "queues/cache_line.hpp"
+#include "queues/roles.hpp"
 
 namespace irt {
 namespace {
@@ -16,19 +17,23 @@ struct alignas(cache_line_pair) Seat {
   AtomicEvents events;
 };
 
-void push_and_pop(AnyWorkQueue<std::uint64_t>& queue, unsigned worker,
-                  const std::atomic<bool>& stop, Seat& seat) {
-  constexpr int pairs_at_a_time = 64;  // between two looks at `stop`
+/// What `worker` may do of both, as long as it may.
+void push_and_pop(AnyWorkQueue<std::uint64_t>& queue, const Claims& claims, const Roles& roles,
+                  unsigned worker, const std::atomic<bool>& stop, Seat& seat) {
+  constexpr std::uint64_t pairs_at_a_time = 64;  // between two looks at `stop`
+  const bool pushes = roles.pushes(worker);
+  const bool pops = roles.pops(worker);
+  const std::uint64_t pushed = claims.some_word();
   std::uint64_t word = 0;
   std::uint64_t done = 0;
   std::uint64_t tried = 0;
   // relaxed: nothing but the flag itself is read
   while (!stop.load(std::memory_order_relaxed)) {
-    for (int pair = 0; pair < pairs_at_a_time; ++pair) {
-      done += queue.push(worker, 1) ? 1 : 0;
-      done += queue.pop(worker, word) ? 1 : 0;
+    for (std::uint64_t pair = 0; pair < pairs_at_a_time; ++pair) {
+      if (pushes) done += queue.push(worker, pushed) ? 1 : 0;
+      if (pops) done += queue.pop(worker, word) ? 1 : 0;
     }
-    tried += 2 * pairs_at_a_time;
+    tried += (pushes ? pairs_at_a_time : 0) + (pops ? pairs_at_a_time : 0);
   }
   seat.operations = done;
   seat.failed = tried - done;
@@ -38,6 +43,7 @@ void push_and_pop(AnyWorkQueue<std::uint64_t>& queue, unsigned worker,
 double run(const QueueEntry& entry, const PairsOptions& options, Seat& sum) {
   using Clock = std::chrono::steady_clock;
   const auto queue = entry.make_word_queue(options.threads, 1024);
+  const Roles roles = most_roles(entry.claims, options.threads);
   std::vector<Seat> seats(options.threads);
   std::atomic<bool> stop{false};
   std::barrier start(options.threads + 1);
@@ -46,7 +52,7 @@ double run(const QueueEntry& entry, const PairsOptions& options, Seat& sum) {
     threads.emplace_back([&, worker] {
       start.arrive_and_wait();
       atomic_events() = {};
-      push_and_pop(*queue, worker, stop, seats[worker]);
+      push_and_pop(*queue, entry.claims, roles, worker, stop, seats[worker]);
       seats[worker].events = atomic_events();
     });
   start.arrive_and_wait();

@@ -370,6 +370,11 @@ class Comparison {
     const std::size_t done = samples.size();
     fmt::print(beside(options_.json), "{}: {} frames per line in {} rounds\n\n{}\n", subject(),
                plan_.frames * plan_.repetitions, plan_.repetitions, table(runs));
+    for (const std::string& name : plan_.queues) {
+      const QueueEntry& queue = queues_.at(name);
+      if (takes_turns(queue.claims, std::ranges::max(plan_.threads)))
+        fmt::print(beside(options_.json), "{}\n", note_on_turns(queue));
+    }
     std::fflush(stdout);
     write_text(options_.out / "compare.json", runs.dump(2) + '\n');
     write_text(options_.out / "compare.csv", csv(runs));

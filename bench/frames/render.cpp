@@ -113,6 +113,8 @@ int render(RenderOptions options, const QueueRegistry& queues) {
   const auto percent = [&](const char* name) { return 100 * run[name].get<double>(); };
   if (options.json != "-" && options.csv != "-") {
     fmt::print("{}\n", table(runs));
+    if (takes_turns(queue.claims, threads) && uses_queue(options.workload))
+      fmt::print("{}\n", note_on_turns(queue));
     fmt::print(
         "T.Exec        {:.2f} ms per frame: GenPrimRays {:.2f} %, RenderLoop {:.2f} %, "
         "Output {:.2f} %\n",

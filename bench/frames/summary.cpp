@@ -293,4 +293,14 @@ std::string csv(const nlohmann::ordered_json& runs) {
   return names + '\n' + lines;
 }
 
+std::string note_on_turns(const QueueEntry& queue) {
+  return fmt::format(
+      "{} is for one {}: with more threads they take turns at it, by a mutex at each such end, and "
+      "the figures are those of both",
+      queue.name,
+      !queue.claims.one_producer()   ? "consumer"
+      : !queue.claims.one_consumer() ? "producer"
+                                     : "producer and one consumer");
+}
+
 }  // namespace irt::frames

@@ -34,6 +34,9 @@ nlohmann::ordered_json summarise(std::span<const Sample> samples,
 /// The table that people read: one line per run, with a column for every choice that differs.
 std::string table(const nlohmann::ordered_json& runs);
 
+/// What to know of the figures of a queue at which threads take turns.
+std::string note_on_turns(const QueueEntry& queue);
+
 /// One line per run under a line of names: all fields but the conditions and lists.
 std::string csv(const nlohmann::ordered_json& runs);
 

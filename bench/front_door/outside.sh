@@ -20,9 +20,10 @@ class_templates() {
       if (!is_template) candidate = ""
     }
     { rest = line; sub(/^[ \t]*template[ \t]*<[^<>]*>/, "", rest) }
-    is_template && rest !~ /;[ \t]*$/ &&
-      match(rest, /^[ \t]*(class|struct)[ \t]+[A-Za-z_][A-Za-z0-9_]*/) {
-      found = substr(rest, RSTART, RLENGTH); sub(/[ \t]*(class|struct)[ \t]+/, "", found)
+    # Not a mere declaration; an alias is as good.
+    is_template && (rest !~ /;[ \t]*$/ || rest ~ /[{=]/) &&
+      match(rest, /^[ \t]*(class|struct|using)[ \t]+[A-Za-z_][A-Za-z0-9_]*/) {
+      found = substr(rest, RSTART, RLENGTH); sub(/[ \t]*(class|struct|using)[ \t]+/, "", found)
       candidate = ""
       for (d = 1; d <= depth; ++d) if (d in spaces) candidate = candidate spaces[d] "::"
       candidate = candidate found
@@ -69,15 +70,16 @@ first_error() {
     head -n 12 >&2
 }
 
-# note_need OPTION VALUE : what a header needs beside itself, into includes, links and sources of the
-# caller, each as ",a,b". The option is one of --include, --link and --source.
+# note_need OPTION VALUE : what a header needs beside itself, into includes, links, sources and flags
+# of the caller, each as ",a,b". The option is one of --include, --link, --source and --flag.
 note_need() {
   local value=$2
-  [[ -e $value ]] && value=$(realpath -- "$value")
+  [[ $1 != --flag && -e $value ]] && value=$(realpath -- "$value")
   case $1 in
     --include) includes+=,$value ;;
     --link) links+=,$value ;;
     --source) sources+=,$value ;;
+    --flag) flags+=,$value ;;
   esac
 }
 
@@ -98,7 +100,7 @@ install_development() {
 # build_outside PRESET HEADER[:CLASS] ,INCLUDE... ,LINK... ,SOURCE... : builds the plug-in; sets
 # outside_plugin and outside_queue.
 build_outside() {
-  local preset=$1 given=$2 includes=$3 links=$4 sources=$5
+  local preset=$1 given=$2 includes=$3 links=$4 sources=$5 flags=$6
   [[ $given =~ $outside_pattern ]]
   local header=${BASH_REMATCH[1]} class=${BASH_REMATCH[3]#:}
   [[ -f $header ]] || usage_error "--queue $given: there is no file $header"
@@ -119,11 +121,11 @@ build_outside() {
     class=$found
   fi
   outside_queue=$(outside_name "$header" "$class" "$([[ ${#all[@]} == 1 || ${classes[*]} == "$class" ]] || echo several)")
-  local key folder flags
-  key=$(printf '%s\n' "$preset" "$header" "$class" "$includes" "$links" "$sources" | cksum | cut -d' ' -f1)
+  local key folder all_flags
+  key=$(printf '%s\n' "$preset" "$header" "$class" "$includes" "$links" "$sources" "$flags" | cksum | cut -d' ' -f1)
   folder=$here/build/outside/$outside_queue-$key
   outside_plugin=$folder/build/$outside_queue.so
-  flags=$(sed -n 's/^CMAKE_CXX_FLAGS:[A-Z]*=//p' "$here/build/$preset/CMakeCache.txt")
+  all_flags=$(sed -n 's/^CMAKE_CXX_FLAGS:[A-Z]*=//p' "$here/build/$preset/CMakeCache.txt")
   mkdir -p -- "$folder"
   exec {outside_lock}>"$folder/lock"
   flock "$outside_lock"
@@ -136,6 +138,7 @@ find_package(irt REQUIRED)
 add_library(outside INTERFACE)
 target_include_directories(outside INTERFACE "$(dirname -- "$header")"$(quoted_list "$includes"))
 target_link_libraries(outside INTERFACE$(quoted_list "$links"))
+target_compile_options(outside INTERFACE$(quoted_list "$flags"))
 irt_add_plugin($outside_queue "$header" $class LINK outside SOURCES$(quoted_list "$sources"))
 P
   )
@@ -143,7 +146,7 @@ P
   if [[ ! -f $folder/build/build.ninja || $project != "$(cat "$folder/CMakeLists.txt" 2>/dev/null)" ]]; then
     printf '%s\n' "$project" >"$folder/CMakeLists.txt"
     if ! run_step "Configuring $outside_queue" "$log" cmake -G Ninja -S "$folder" -B "$folder/build" \
-      -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_FLAGS="$flags" -D CMAKE_C_FLAGS="$flags" \
+      -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_FLAGS="$all_flags" -D CMAKE_C_FLAGS="$all_flags" \
       -D CMAKE_PREFIX_PATH="$development"; then
       say "irt: --queue $given cannot be configured"
       first_error "$log"
@@ -197,18 +200,18 @@ replace_outside_queues() {
   shift
   replaced=("$@")
   has_outside_queue "$@" || return 0
-  local includes='' links='' sources='' queues='' previous='' option value element
+  local includes='' links='' sources='' flags='' queues='' previous='' option value element
   local -a rest=() plugins=() lists=()
   while (($#)); do
     option=${1%%=*} value=''
     case $option in
-      --include | --link | --source | -q | --queue | --queues)
+      --include | --link | --source | --flag | -q | --queue | --queues)
         if [[ $1 == *=* ]]; then value=${1#*=}; else value=${2:-} && shift; fi
         shift
         ;;
     esac
     case $option in
-      --include | --link | --source) note_need "$option" "$value" ;;
+      --include | --link | --source | --flag) note_need "$option" "$value" ;;
       -q | --queue | --queues) lists+=("$value") rest+=("$option" "$((${#lists[@]} - 1))@") ;;
       *) rest+=("$1") && shift ;;
     esac
@@ -219,7 +222,7 @@ replace_outside_queues() {
     queues=''
     while read -r -d, element; do
       if [[ $element =~ $outside_pattern ]]; then
-        build_outside "$preset" "$element" "$includes" "$links" "$sources"
+        build_outside "$preset" "$element" "$includes" "$links" "$sources" "$flags"
         plugins+=(--plugin "$outside_plugin")
         element=$outside_queue
       fi

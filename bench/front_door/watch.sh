@@ -3,6 +3,7 @@
 help_watch() {
   cat <<'H'
 Usage: irt watch HEADER[:CLASS] [--against QUEUE] [--once] [--include DIR] [--link LIB] [--source FILE]
+                 [--flag FLAG]
 
 Whenever the header, or what it includes, was saved: compiles it, explores its small shapes (4 s), runs
 it on real threads under the oracles (2 s), and times it against itself as it was before the first
@@ -63,13 +64,13 @@ watch_round() {
 }
 
 watch_queue() {
-  local header='' against='' once='' includes='' links='' sources=''
+  local header='' against='' once='' includes='' links='' sources='' flags=''
   while (($#)); do
     case $1 in
       -h | --help) help_watch && return 0 ;;
       --once) once=yes ;;
       --against) against=${2:-} && shift ;;
-      --include | --link | --source) note_need "$1" "${2:-}" && shift ;;
+      --include | --link | --source | --flag) note_need "$1" "${2:-}" && shift ;;
       -*) usage_error "watch: unknown option $1; see 'irt help watch'" ;;
       *)
         [[ -z $header ]] || usage_error "watch: one header at a time; '$header' and '$1' were given"
@@ -94,7 +95,7 @@ watch_queue() {
     rm -f -- "$out/before"
     cp -- "$file" "$before"
     (build_outside release "$before$class" "$includes,$(realpath -- "$(dirname -- "$file")")" "$links" \
-      "$sources" && printf '%s\n' "$outside_plugin" "$outside_queue" >"$out/before") 2>/dev/null
+      "$sources" "$flags" && printf '%s\n' "$outside_plugin" "$outside_queue" >"$out/before") 2>/dev/null
     mapfile -t baseline < <(cat "$out/before" 2>/dev/null)
     if ((${#baseline[@]} == 2)); then
       baseline=(--plugin "${baseline[@]}")
@@ -106,7 +107,7 @@ watch_queue() {
   while true; do
     [[ -t 1 ]] && printf '\e[H\e[2J'
     code=0
-    if (build_outside release "$header" "$includes" "$links" "$sources" &&
+    if (build_outside release "$header" "$includes" "$links" "$sources" "$flags" &&
       printf '%s\n' "$outside_plugin" "$outside_queue" >"$out/now"); then
       { read -r plugin && read -r queue; } <"$out/now"
       echo "$queue, saved at $(date -r "$file" +%T)"

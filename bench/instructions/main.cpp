@@ -15,14 +15,20 @@
 #include "stress/running/child.hpp"
 #include "stress/running/program.hpp"
 
-// Named in what callgrind is told to look at, so not inlined and with a plain name.
-extern "C" __attribute__((noinline)) void irt_measured(irt::AnyWorkQueue<std::uint64_t>& queue,
-                                                       unsigned bursts, unsigned burst) {
-  std::uint64_t word = 1;
+static void push_and_pop(irt::AnyWorkQueue<std::uint64_t>& queue, unsigned bursts, unsigned burst,
+                         std::uint64_t word) {
+  std::uint64_t popped = 0;
   for (unsigned i = 0; i < bursts; ++i) {
     for (unsigned j = 0; j < burst; ++j) queue.push(0, word);
-    for (unsigned j = 0; j < burst; ++j) queue.pop(0, word);
+    for (unsigned j = 0; j < burst; ++j) queue.pop(0, popped);
   }
+}
+
+// Named in what callgrind is told to look at, so not inlined and with a plain name.
+extern "C" __attribute__((noinline)) void irt_measured(irt::AnyWorkQueue<std::uint64_t>& queue,
+                                                       unsigned bursts, unsigned burst,
+                                                       std::uint64_t word) {
+  push_and_pop(queue, bursts, burst, word);
 }
 
 namespace irt::instructions {
@@ -50,16 +56,12 @@ QueueRegistry registry_with(const std::vector<std::string>& plugins) {
 int be_measured(const Options& options) {
   const SecondThread second_thread;
   const QueueRegistry registry = registry_with(options.plugins);
-  const auto queue =
-      registry.at_or_counter(options.measured).make_word_queue(1, std::max(options.burst, 64U));
+  const QueueEntry& entry = registry.at_or_counter(options.measured);
+  const auto queue = entry.make_word_queue(1, std::max(options.burst, 64U));
   const unsigned bursts = std::max(options.operations / 2 / options.burst, 1U);
   // A tenth as warm-up, of what allocators and free lists take once; callgrind is not yet looking.
-  std::uint64_t word = 1;
-  for (unsigned i = 0; i < bursts / 10 + 2; ++i) {
-    for (unsigned j = 0; j < options.burst; ++j) queue->push(0, word);
-    for (unsigned j = 0; j < options.burst; ++j) queue->pop(0, word);
-  }
-  irt_measured(*queue, bursts, options.burst);
+  push_and_pop(*queue, bursts / 10 + 2, options.burst, entry.claims.some_word());
+  irt_measured(*queue, bursts, options.burst, entry.claims.some_word());
   return 0;
 }
 

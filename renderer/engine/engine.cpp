@@ -53,7 +53,7 @@ std::unique_ptr<Engine> make_engine(const EngineOptions& options, const QueueEnt
                                     const Accelerator& accelerator) {
   auto queue = entry.make_task_queue(options.threads, options.queue_capacity);
   const Claims& claims = entry.claims;
-  if (options.threads > 1 && (claims.one_producer() || claims.one_consumer())) {
+  if (takes_turns(claims, options.threads)) {
     queue = std::make_unique<SerialisedQueue>(std::move(queue), claims);
   }
   if (options.trace != nullptr) {

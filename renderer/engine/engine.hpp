@@ -116,6 +116,12 @@ class Engine {
   virtual bool pinned() const = 0;
 };
 
+/// Whether `threads` threads take turns at a queue with these claims, by a mutex at each end that
+/// is for one of them. What is measured then is the queue and the mutexes.
+constexpr bool takes_turns(const Claims& claims, unsigned threads) {
+  return threads > 1 && (claims.one_producer() || claims.one_consumer());
+}
+
 /// An engine over the queue `queue` makes, and over `accelerator`, which outlives it. Throws
 /// std::system_error if the threads cannot be started.
 std::unique_ptr<Engine> make_engine(const EngineOptions& options, const QueueEntry& queue,
