@@ -28,6 +28,13 @@ Moment free_of(const Block& block, std::string note) {
   return {block.freed_by, block.freed_after, block.freed_at, "freed", std::move(note)};
 }
 
+/// Who did something after so many events of its own; `threads` and what comes before and after
+/// them.
+std::string actor(unsigned thread, std::size_t after, unsigned threads) {
+  if (thread < threads) return "thread " + std::to_string(thread);
+  return after == 0 ? "the code before the threads" : "the code after the threads";
+}
+
 }  // namespace
 
 void MemoryWatch::touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
@@ -96,6 +103,11 @@ void MemoryWatch::check_race(const Cell& cell, const Touch& touch) {
   }
 }
 
+std::string MemoryWatch::this_actor() const {
+  const unsigned thread = state_.current();
+  return actor(thread, state_.graph.thread(thread).now.count[thread], state_.threads);
+}
+
 Moment MemoryWatch::here(const void* pc, std::string what, std::string note) const {
   const unsigned thread = state_.current();
   return {thread, state_.graph.thread(thread).now.count[thread], pc, std::move(what),
@@ -114,8 +126,8 @@ void MemoryWatch::report_unusable(std::uintptr_t eight_bytes, bool writes, bool 
                              {here(pc, access, "outside of every block")});
   if (block->freed)
     state_.conclusion.report(FindingKind::use_after_free,
-                             what + "by thread " + std::to_string(state_.current()) +
-                                 " is to memory that thread " + std::to_string(block->freed_by) +
+                             what + "by " + this_actor() + " is to memory that " +
+                                 actor(block->freed_by, block->freed_after, state_.threads) +
                                  " freed at {1} (allocated at {2})",
                              {pc, block->freed_at, block->allocated_at},
                              {allocation_of(*block), free_of(*block, "used later at {0}"),
@@ -128,7 +140,6 @@ void MemoryWatch::report_unusable(std::uintptr_t eight_bytes, bool writes, bool 
 }
 
 Block& MemoryWatch::free(std::uintptr_t address, const void* pc) {
-  const unsigned thread = state_.current();
   Block* block = state_.heap.find(address);
   if (block == nullptr || block->address != address)
     state_.conclusion.report(FindingKind::invalid_free,
@@ -136,8 +147,8 @@ Block& MemoryWatch::free(std::uintptr_t address, const void* pc) {
                              {here(pc, "freed", "not the beginning of a block")});
   if (block->freed)
     state_.conclusion.report(FindingKind::double_free,
-                             "thread " + std::to_string(thread) + " frees at {0} what thread " +
-                                 std::to_string(block->freed_by) +
+                             this_actor() + " frees at {0} what " +
+                                 actor(block->freed_by, block->freed_after, state_.threads) +
                                  " freed at {1} (allocated at {2})",
                              {pc, block->freed_at, block->allocated_at},
                              {allocation_of(*block), free_of(*block, "the first time"),
@@ -160,9 +171,9 @@ void MemoryWatch::check_users(const Block& block, const void* pc) {
       if (touch.thread == thread || now.count[touch.thread] >= touch.moment) continue;
       state_.conclusion.report(
           FindingKind::use_after_free,
-          "thread " + std::to_string(thread) + " frees at {0} what thread " +
-              std::to_string(touch.thread) + " still " + (touch.writes ? "writes" : "reads") +
-              " at {1} (allocated at {2}): nothing makes " + "the access happen before",
+          this_actor() + " frees at {0} what thread " + std::to_string(touch.thread) + " still " +
+              (touch.writes ? "writes" : "reads") + " at {1} (allocated at {2}): nothing makes " +
+              "the access happen before",
           {pc, touch.pc, block.allocated_at},
           {allocation_of(block), moment_of(touch, "not ordered before the free at {0}"),
            here(pc, "freed", "not ordered after {1}")});

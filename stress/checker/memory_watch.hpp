@@ -22,6 +22,7 @@ class MemoryWatch {
   [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, bool atomic,
                                     const void* pc);
   void check_users(const Block& block, const void* pc);
+  [[nodiscard]] std::string this_actor() const;
   [[nodiscard]] Moment here(const void* pc, std::string what, std::string note = "") const;
 
   ExecutionState& state_;
