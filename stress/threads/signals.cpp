@@ -13,10 +13,13 @@
 #include <fmt/format.h>
 #include <initializer_list>
 #include <link.h>
+#include <map>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <vector>
 
 #include "stress/threads/allocator.hpp"
 #include "stress/threads/sanitizer.hpp"
@@ -121,21 +124,24 @@ void send(const Slot& slot, int signal) {
   if (thread != 0) syscall(SYS_tgkill, getpid(), thread, signal);
 }
 
-/// addr2line's answer, or nothing.
-std::string source_line(const std::string& module, std::uint64_t offset) {
+/// addr2line's answers, one process for all; empty where it has none.
+std::vector<std::string> source_lines(const std::string& module,
+                                      const std::vector<std::uint64_t>& offsets) {
+  std::vector<std::string> answers(offsets.size());
   const std::string command =
-      fmt::format("addr2line -Cfsp -e '{}' {:#x} 2>/dev/null", module, offset);
+      fmt::format("addr2line -Cfsp -e '{}' {:#x} 2>/dev/null", module, fmt::join(offsets, " "));
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  if (pipe == nullptr) return {};
-  std::string answer;
-  for (int c = std::fgetc(pipe.get()); c != EOF && c != '\n'; c = std::fgetc(pipe.get())) {
-    answer += static_cast<char>(c);
+  if (pipe == nullptr) return answers;
+  for (std::string& answer : answers) {
+    for (int c = std::fgetc(pipe.get()); c != EOF && c != '\n'; c = std::fgetc(pipe.get())) {
+      answer += static_cast<char>(c);
+    }
+    if (answer.starts_with("??")) answer.clear();
+    if (const auto unknown = answer.find(" at ??:"); unknown != std::string::npos) {
+      answer.resize(unknown);
+    }
   }
-  if (answer.starts_with("??")) return {};
-  if (const auto unknown = answer.find(" at ??:"); unknown != std::string::npos) {
-    answer.resize(unknown);
-  }
-  return answer;
+  return answers;
 }
 
 std::string own_path() {
@@ -144,23 +150,48 @@ std::string own_path() {
   return {path.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
 }
 
-std::string describe_address(void* address) {
+struct Place {
+  std::string module;        ///< its file; empty where none is known
+  std::uint64_t offset = 0;  ///< in that
+  std::string name;          ///< without a line of source
+};
+
+Place place_of(void* address) {
   Dl_info info{};
   link_map* map = nullptr;
   if (dladdr1(address, &info, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP) == 0) {
-    return fmt::format("{}", address);
+    return {.module = {}, .name = fmt::format("{}", address)};
   }
   // A return address points behind the call.
-  const std::uint64_t offset = reinterpret_cast<std::uint64_t>(address) - map->l_addr - 1;
-  const std::string module = map->l_name[0] != '\0' ? map->l_name : own_path();
-  if (std::string line = source_line(module, offset); !line.empty()) return line;
-  if (info.dli_sname != nullptr) {
-    int status = 0;
-    const std::unique_ptr<char, void (*)(void*)> name(
-        abi::__cxa_demangle(info.dli_sname, nullptr, nullptr, &status), std::free);
-    return status == 0 ? name.get() : info.dli_sname;
+  Place place{.module = map->l_name[0] != '\0' ? map->l_name : own_path(),
+              .offset = reinterpret_cast<std::uint64_t>(address) - map->l_addr - 1,
+              .name = {}};
+  if (info.dli_sname == nullptr) {
+    place.name = fmt::format("{}+{:#x}", std::strrchr(info.dli_fname, '/') + 1, place.offset);
+    return place;
   }
-  return fmt::format("{}+{:#x}", std::strrchr(info.dli_fname, '/') + 1, offset);
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> name(
+      abi::__cxa_demangle(info.dli_sname, nullptr, nullptr, &status), std::free);
+  place.name = status == 0 ? name.get() : info.dli_sname;
+  return place;
+}
+
+std::vector<std::string> lines_of(const std::vector<Place>& places) {
+  std::map<std::string, std::vector<std::size_t>> in;
+  for (std::size_t i = 0; i < places.size(); ++i) in[places[i].module].push_back(i);
+  std::vector<std::string> lines(places.size());
+  for (const auto& [module, indices] : in) {
+    std::vector<std::uint64_t> offsets;
+    offsets.reserve(indices.size());
+    for (const std::size_t i : indices) offsets.push_back(places[i].offset);
+    std::vector<std::string> answers(indices.size());
+    if (!module.empty()) answers = source_lines(module, offsets);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      lines[indices[i]] = answers[i].empty() ? places[indices[i]].name : answers[i];
+    }
+  }
+  return lines;
 }
 
 }  // namespace
@@ -230,11 +261,12 @@ bool ask_trace(Slot& slot) {
 }
 
 std::vector<std::string> describe(const Trace& trace) {
-  std::vector<std::string> lines;
+  std::vector<Place> places;
   for (void* address : trace) {
     if (address == nullptr) break;
-    lines.push_back(describe_address(address));
+    places.push_back(place_of(address));
   }
+  std::vector<std::string> lines = lines_of(places);
   // Of a crash: the handler and the kernel's trampoline stand above what was interrupted; the
   // runner of the suite stands below.
   const auto has = [](const std::string& line, std::initializer_list<std::string_view> words) {
