@@ -17,6 +17,10 @@ namespace {
 /// A queue that leaves so few words as to refuse that many in a row is not for this tool.
 constexpr std::uint64_t most_tries = 100'000;
 
+/// A queue that grows is told to expect that many where somebody waits. One that gives memory back
+/// by the batch then does not in so small a shape: others look at that.
+constexpr std::size_t expected_by_those_who_wait = 64;
+
 }  // namespace
 
 QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,

@@ -6,8 +6,8 @@
 /// worker, too. The workers that pop in the shape empty the queue, all workers if none does. Nobody
 /// acts for a thread that was stopped.
 ///
-/// Where nobody closes the queue a bounded one has room for all elements, so that who waits for one
-/// gets it.
+/// Where somebody waits a bounded queue has room for all elements, so that there is one to wait
+/// for, and an unbounded one is made for 64.
 ///
 /// Each element stands for something that its thread writes just before the push, and that is read
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
