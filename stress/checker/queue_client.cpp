@@ -28,9 +28,13 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
                          std::shared_ptr<AgedMemory> aged)
     : entry_(entry), shape_(std::move(shape)), capacity_(capacity), real_time_(real_time) {
   if (shape_.capacity != 0) capacity_ = shape_.capacity;
-  if (capacity_ == 0 && entry.claims.bounded)
-    capacity_ =
-        to_string(shape_).find('P') == std::string::npos ? most_held(shape_) : pushes_of(shape_);
+  if (capacity_ == 0) {
+    const bool waits = to_string(shape_).find('P') != std::string::npos;
+    if (entry.claims.bounded)
+      capacity_ = waits ? pushes_of(shape_) : most_held(shape_);
+    else if (waits)
+      capacity_ = expected_by_those_who_wait;
+  }
   capacity_ = std::max<std::size_t>(capacity_, 1);
   const auto count = static_cast<unsigned>(shape_.threads.size());
   if (!entry.claims.allows_workers(count))
