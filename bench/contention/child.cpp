@@ -6,6 +6,7 @@
 
 #include "bench/contention/counting.hpp"
 #include "bench/contention/measurement.hpp"
+#include "bench/contention/subjects.hpp"
 
 namespace irt::contention {
 namespace {
@@ -76,6 +77,7 @@ int run_as_child() {
   for (const std::string& plugin : job.plugins) {
     queues.open(plugin);
     open_counting_build(plugin);
+    open_subject_module(plugin);
   }
   const SubjectMaker make = job.pass == Pass::counted ? counting_subject_maker(job.queue)
                                                       : subject_maker(queues, job.queue);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/contention/type_erased.hpp"
+#include "bench/contention/subjects.hpp"
 #include "bench/counted/counted_queue.hpp"
 
 namespace irt::contention {
@@ -14,8 +14,8 @@ void open_counting_build(const std::string& plugin) {
 std::string not_countable(std::string_view name) {
   const std::vector<std::string> names = counted_queues();
   if (std::ranges::find(names, name) != names.end()) return {};
-  return type_erased(name) ? "the plug-in has no counting build beside it"
-                           : "its atomic operations are compiled code or inline assembly";
+  return "there is no counting build of it: its atomic operations are compiled code or inline "
+         "assembly, or its plug-in came without";
 }
 
 SubjectMaker counting_subject_maker(std::string_view name) {

@@ -9,6 +9,7 @@
 #include "bench/contention/child.hpp"
 #include "bench/contention/compare.hpp"
 #include "bench/contention/counting.hpp"
+#include "bench/contention/subjects.hpp"
 #include "bench/contention/sweep.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
@@ -124,6 +125,7 @@ void Tool::add_sweep(CLI::App& app) {
             for (const std::string& file : files) {
               queues.open(file);
               open_counting_build(file);
+              open_subject_module(file);
               sweeping.plan.plugins.push_back(std::filesystem::absolute(file).string());
             }
           },

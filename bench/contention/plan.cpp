@@ -9,7 +9,7 @@
 #include "bench/contention/busy_wait.hpp"
 #include "bench/contention/counting.hpp"
 #include "bench/contention/shuffle.hpp"
-#include "bench/contention/subject.hpp"
+#include "bench/contention/subjects.hpp"
 #include "bench/contention/turns.hpp"
 #include "queues/baselines/baselines.hpp"
 #include "stress/running/usage_error.hpp"

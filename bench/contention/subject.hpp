@@ -2,12 +2,12 @@
 /// operation.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
-#include <string_view>
 
 #include "bench/contention/hand.hpp"
-#include "queues/registry.hpp"
+#include "queues/plugin.hpp"
 
 namespace irt::contention {
 
@@ -66,11 +66,20 @@ SubjectMaker maker_of() {
   };
 }
 
-/// The queue `name` of `queues`, or `no_queue`. A built-in queue is measured by its concrete type,
-/// one of a plug-in through its type-erased face, at a virtual call per operation.
-SubjectMaker subject_maker(const QueueRegistry& queues, std::string_view name);
+/// What the contention module of a plug-in shows, at the C symbol `irt_contention`: plain data, of
+/// which the sizes are compared before anything is called.
+struct SubjectModule {
+  std::uint32_t abi_version = plugin_abi_version;
+  std::uint32_t seat_bytes = sizeof(Seat);
+  std::uint32_t table_bytes = sizeof(Table);
+  std::unique_ptr<Subject> (*make)(unsigned workers, std::size_t capacity, bool two) = nullptr;
+};
 
-/// Whether the queue `name` is measured through its type-erased face.
-bool type_erased(std::string_view name);
+template <class Queue>
+constexpr SubjectModule subject_module() {
+  return {.make = [](unsigned workers, std::size_t capacity, bool two) {
+    return maker_of<Queue>()(workers, capacity, two);
+  }};
+}
 
 }  // namespace irt::contention

@@ -1,9 +1,12 @@
+#include "bench/contention/subjects.hpp"
+
 #include <algorithm>
 #include <array>
+#include <dlfcn.h>
+#include <map>
+#include <string>
 
 #include "bench/contention/job.hpp"
-#include "bench/contention/subject.hpp"
-#include "bench/contention/type_erased.hpp"
 
 namespace irt::contention {
 
@@ -31,6 +34,12 @@ const BuiltIn* find(std::string_view name) {
   return found == all.end() ? nullptr : found;
 }
 
+/// By the queue's name, which is that of its file.
+std::map<std::string, SubjectMaker, std::less<>>& modules() {
+  static std::map<std::string, SubjectMaker, std::less<>> all;
+  return all;
+}
+
 /// Accepts everything and always has the same to give.
 class Nothing {
  public:
@@ -47,9 +56,25 @@ class Nothing {
 
 }  // namespace
 
+void open_subject_module(const std::filesystem::path& plugin) {
+  std::filesystem::path file = std::filesystem::absolute(plugin);
+  file.replace_extension(".contention.so");
+  if (!std::filesystem::exists(file)) return;
+  // Stays open: its code is in use until the process ends.
+  void* object = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (object == nullptr) throw RegistryError(std::string(dlerror()));
+  const auto* module = static_cast<const SubjectModule*>(dlsym(object, "irt_contention"));
+  constexpr SubjectModule own;
+  if (module == nullptr || module->abi_version != own.abi_version ||
+      module->seat_bytes != own.seat_bytes || module->table_bytes != own.table_bytes)
+    throw RegistryError(file.string() + ": built for another version of irt; build it again");
+  modules()[plugin.stem()] = module->make;
+}
+
 SubjectMaker subject_maker(const QueueRegistry& queues, std::string_view name) {
   if (name == no_queue) return maker_of<Nothing>();
   if (const BuiltIn* built_in = find(name)) return built_in->maker();
+  if (const auto module = modules().find(name); module != modules().end()) return module->second;
   return type_erased_maker(queues.at(name));
 }
 
@@ -62,7 +87,7 @@ SubjectMaker type_erased_maker(const QueueEntry& entry) {
 }
 
 bool type_erased(std::string_view name) {
-  return find(name) == nullptr;
+  return find(name) == nullptr && !modules().contains(name);
 }
 
 }  // namespace irt::contention

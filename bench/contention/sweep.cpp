@@ -9,6 +9,7 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/contention/busy_wait.hpp"
+#include "bench/contention/subjects.hpp"
 #include "bench/contention/summary.hpp"
 #include "bench/contention/turns.hpp"
 #include "bench/running/interrupt.hpp"

@@ -3,8 +3,9 @@
 # builds the queue <class> of <header> (relative to the calling CMakeLists.txt) into a shared object
 # <name>.so that every tool takes as `--plugin FILE` and then knows as the queue <name>. Beside it
 # lie <name>.virtual.so, the same queue on virtual cores, for the checker and the simulator, and
-# <name>.counted.so, which counts its atomic operations; they are left out where the irt that was
-# found has none. It is the counterpart of irt_add_queue() for a queue that lives outside the tree;
+# <name>.counted.so, which counts its atomic operations, and <name>.contention.so, by which it is
+# measured under contention as its concrete type; they are left out where the irt that was found has
+# none. It is the counterpart of irt_add_queue() for a queue that lives outside the tree;
 # <header> needs no change to move from one to the other.
 #
 # SOURCES are further files of the queue, in C++ or C. All objects are compiled as the queues of the
@@ -29,6 +30,17 @@ function(irt_add_plugin name header class)
     CXX_VISIBILITY_PRESET hidden LINKER_LANGUAGE CXX)
   target_link_libraries(${target} PRIVATE irt::queues ${ARG_LINK})
   target_compile_options(${target} PRIVATE -O2 -UNDEBUG)
+  if(EXISTS ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/contention.cpp.in)
+    set(measured ${CMAKE_CURRENT_BINARY_DIR}/${name}_contention.cpp)
+    configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/contention.cpp.in ${measured} @ONLY)
+    set(contention irt_contention_plugin_${name})
+    add_library(${contention} MODULE ${measured} ${ARG_SOURCES})
+    set_target_properties(${contention} PROPERTIES PREFIX "" OUTPUT_NAME ${name}.contention
+      CXX_VISIBILITY_PRESET hidden LINKER_LANGUAGE CXX)
+    target_link_libraries(${contention} PRIVATE irt::queues ${ARG_LINK})
+    target_compile_options(${contention} PRIVATE -O2 -UNDEBUG)
+    add_dependencies(${target} ${contention})
+  endif()
   set(has_virtual_cores FALSE)
   if(TARGET irt_virtual_cores)  # in the tree, plug-ins only serve tests on real threads
     get_target_property(has_virtual_cores irt_virtual_cores IMPORTED)

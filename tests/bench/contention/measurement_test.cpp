@@ -17,6 +17,7 @@
 #include "bench/contention/hardware_counters.hpp"
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
+#include "bench/contention/subjects.hpp"
 #include "queues/blocking/mutex_queue.hpp"
 
 namespace irt::contention {
