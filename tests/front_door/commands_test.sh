@@ -176,6 +176,26 @@ outside_queue_brings_what_it_needs() {
   expect_not_in out '<--include>'
   nm -D "$(sed -n 's/^<\(.*needy.so\)>$/\1/p' "$work/out")" | grep -q ' T help' ||
     fail "the source is not in the plug-in"
+
+  write_queue flagged.hpp Flagged
+  printf '#ifndef HAS_FLAG\n#error no flag\n#endif\n' >>flagged.hpp
+  irt render --queue flagged.hpp
+  expect_code 2
+  irt render --flag=-DHAS_FLAG --queue flagged.hpp
+  expect_code 0
+}
+
+outside_queue_may_be_a_line_or_an_alias() {
+  cd "$work" || exit 1
+  printf 'struct Claims {};\ntemplate <class T> class Declared;\n%s\n%s\n' \
+    'template <class T> class Line { static constexpr Claims claims{}; };' \
+    'template <class T> using Alias = Line<T>;' >line.hpp
+  irt render --queue line.hpp
+  expect_code 0
+  expect_in out '<line>'
+  irt render --queue line.hpp:Alias
+  expect_code 0
+  expect_in out '<line-alias>'
 }
 
 outside_queue_of_several_is_named() {
