@@ -123,10 +123,9 @@ std::size_t Accesses::choose_place_of_store(Event& event, std::uint32_t location
   Graph& graph = state_.graph;
   places_.clear();
   const std::size_t last = graph.location(location).stores.size();
-  const std::size_t lowest = graph.lowest_readable(event.thread, location) + 1;
+  const std::size_t lowest = lowest_readable(graph, event.thread, location) + 1;
   for (std::size_t p = last + 1; p-- > lowest;)
-    if (graph.free_to_place(graph.location(location), p) &&
-        (p == last || graph.allows_place(event, location, p)))
+    if (free_to_place(graph, location, p) && (p == last || graph.allows_place(event, location, p)))
       places_.push_back(p);
   return places_[state_.strategy->choose_place(state_, event, location, places_)];
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "stress/checker/alone.hpp"
+#include "stress/checker/coherence.hpp"
 #include "stress/checker/execution_state.hpp"
 #include "stress/checker/locations.hpp"
 #include "stress/checker/loops.hpp"
@@ -170,7 +171,7 @@ std::size_t Accesses::choose_place(const Request& request, Event& event, const P
   const std::uint32_t id = part.location;
   const std::size_t newest = graph.location(id).stores.size() - 1;
   const EventId insisted = loops_.insisted_on(request.pc);
-  const auto same = insisted != no_event ? graph.find_place(id, insisted) : std::nullopt;
+  const auto same = insisted != no_event ? find_place(graph, id, insisted) : std::nullopt;
   if (const auto planned = state_.strategy->planned_place(state_, event, id)) {
     event.settled = same == planned && decide(value_at(part, *planned)) == Meaning::load;
     return *planned;
@@ -178,20 +179,20 @@ std::size_t Accesses::choose_place(const Request& request, Event& event, const P
   if (same) {
     mean(request, event, Meaning::load);
     event.settled = decide(value_at(part, *same)) == Meaning::load &&
-                    *same >= graph.lowest_readable(event.thread, id) &&
+                    *same >= lowest_readable(graph, event.thread, id) &&
                     graph.allows_read(event, id, *same, false);
     if (event.settled) return *same;
   }
   options_.clear();
-  std::size_t lowest = loops_.must_be_fresh() ? newest : graph.lowest_readable(event.thread, id);
+  std::size_t lowest = loops_.must_be_fresh() ? newest : lowest_readable(graph, event.thread, id);
   if (const EventId old = loops_.worn_out(request.pc); old != no_event)
-    if (const auto at = graph.find_place(id, old)) lowest = std::max(lowest, *at + 1);
+    if (const auto at = find_place(graph, id, old)) lowest = std::max(lowest, *at + 1);
   const bool verified = state_.strategy->wants_verified();
   for (std::size_t p = newest + 1; p-- > lowest;) {
     const Meaning meaning = decide(value_at(part, p));
     if (meaning == Meaning::wait && p != newest) continue;
     const bool modifies = meaning == Meaning::modify;
-    const bool taken = modifies && !graph.free_to_modify(graph.location(id), p);
+    const bool taken = modifies && !free_to_modify(graph, id, p);
     mean(request, event, meaning);
     if (!taken && verified && p != newest && !graph.allows_read(event, id, p, modifies)) continue;
     options_.push_back({p, modifies, meaning == Meaning::wait, taken});

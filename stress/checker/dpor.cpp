@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "stress/checker/coherence.hpp"
 #include "stress/checker/execution_state.hpp"
 
 namespace irt::checker {
@@ -47,7 +48,7 @@ std::optional<std::size_t> Dpor::planned_place(ExecutionState& state, Event& eve
   if (position_ == current_.plan.size()) return std::nullopt;
   const Graph& graph = state.graph;
   const EventId store = graph.find(current_.plan[position_].from, location);
-  const auto place = store == no_event ? std::nullopt : graph.find_place(location, store);
+  const auto place = store == no_event ? std::nullopt : find_place(graph, location, store);
   const std::size_t stores = event.kind == EventKind::store ? 1 : 0;
   if (place) return *place + stores;
   // The store is not made this time, or a racing plain write has ended the object it was made to.
@@ -68,7 +69,7 @@ bool Dpor::forbids(const ExecutionState& state, const Event& event, std::uint32_
   const Event& store = graph.event(graph.location(location).stores[at]);
   return symmetry_.forbids(graph, state.heap, event.thread, event.index, location, at,
                            reads ? &store.causes : nullptr,
-                           [&](EventId id) { return graph.find_place(location, id); });
+                           [&](EventId id) { return find_place(graph, location, id); });
 }
 
 std::size_t Dpor::choose_read(ExecutionState& state, Event& event, std::uint32_t location,
@@ -155,9 +156,9 @@ void Dpor::added(ExecutionState& state, const Event& made) {
   std::size_t after = 0;
   if (event.reads) {
     planned.from = graph.event(event.from).ref();
-    after = event.writes ? graph.place_of(event.from) : 0;
+    after = event.writes ? place_of(graph, event.from) : 0;
   } else if (event.writes) {
-    after = graph.place_of(id) - 1;
+    after = place_of(graph, id) - 1;
     planned.from = graph.event(graph.location(event.location).stores[after]).ref();
   }
   trace_.push_back(planned);

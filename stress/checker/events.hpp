@@ -59,9 +59,7 @@ class Events final : public virtual_cores::Tenant {
   bool try_lock(std::uintptr_t address, const void* pc) override {
     return parts.kernel.try_lock(address, pc);
   }
-  void unlock(std::uintptr_t address, const void* pc) override {
-    parts.kernel.unlock(address, pc);
-  }
+  void unlock(std::uintptr_t address, const void* pc) override { parts.kernel.unlock(address, pc); }
   virtual_cores::Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
                            const void* pc) override {
     return parts.kernel.wait(address, expected, nanoseconds, pc);

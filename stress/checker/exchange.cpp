@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "stress/checker/coherence.hpp"
 #include "stress/checker/replay.hpp"
 
 namespace irt::checker {
@@ -184,7 +185,7 @@ Exchange::Made Exchange::made(const Event& event) const {
     made.from_index = made.from_initial ? 0 : from.index;
   }
   if (event.writes)
-    if (const auto place = graph.find_place(event.location, graph.id_of(event)))
+    if (const auto place = find_place(graph, event.location, graph.id_of(event)))
       made.place = *place + 1;
   return made;
 }

@@ -1,7 +1,5 @@
 #include "stress/checker/graph.hpp"
 
-#include <algorithm>
-
 namespace irt::checker {
 
 using virtual_cores::acquires;
@@ -70,49 +68,6 @@ Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc
   event.causes.count[thread] = event.index;
   event.message = Clock{};
   return event;
-}
-
-std::size_t Graph::lowest_readable(unsigned thread, std::uint32_t id) const {
-  const Location& location = locations_[id];
-  const Clock& now = threads_[thread].now;
-  std::size_t lowest = location.stores.size() - 1;
-  while (lowest > 0 && !happens_before(events_[location.stores[lowest]], now)) --lowest;
-  if (lowest + 1 == location.stores.size()) return lowest;
-  // What a thread read last, of all that happens before, is no older than what it read before that.
-  std::uint32_t left = location.readers;
-  for (auto read = location.reads.rbegin(); left != 0 && read != location.reads.rend(); ++read) {
-    const Event& event = events_[*read];
-    const std::uint32_t reader = 1U << event.thread;
-    if ((left & reader) == 0 || !happens_before(event, now)) continue;
-    left &= ~reader;
-    lowest = std::max(lowest, place_of(event.from));
-    if (lowest + 1 == location.stores.size()) break;
-  }
-  return lowest;
-}
-
-bool Graph::free_to_modify(const Location& location, std::size_t place) const {
-  if (place + 1 == location.stores.size()) return true;
-  const Event& next = events_[location.stores[place + 1]];
-  return !(next.reads && next.from == location.stores[place]);
-}
-
-bool Graph::free_to_place(const Location& location, std::size_t place) const {
-  return place == location.stores.size() || free_to_modify(location, place - 1);
-}
-
-std::size_t Graph::place_of(EventId store) const {
-  const std::vector<EventId>& stores = locations_[events_[store].location].stores;
-  std::size_t place = stores.size() - 1;
-  while (stores[place] != store) --place;
-  return place;
-}
-
-std::optional<std::size_t> Graph::find_place(std::uint32_t id, EventId store) const {
-  const std::vector<EventId>& stores = locations_[id].stores;
-  const auto found = std::find(stores.rbegin(), stores.rend(), store);
-  if (found == stores.rend()) return std::nullopt;
-  return static_cast<std::size_t>(stores.rend() - found) - 1;
 }
 
 EventId Graph::find(Ref ref, std::uint32_t location) const {

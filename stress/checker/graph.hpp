@@ -4,7 +4,8 @@
 /// The model is C++20 ([intro.races], [atomics.order], [atomics.fences]) without load buffering:
 /// events are added one at a time, and a read chooses among the stores that are there.
 ///
-///   - *Coherence*: a read may not read a store that is followed, in modification order, by one
+///   - *Coherence* (coherence.hpp): a read may not read a store that is followed, in modification
+///   order, by one
 ///     that happens before the read or was read by a read that happens before it; a store comes
 ///     after all such (write-write, read-read, read-write, write-read coherence).
 ///   - *Modification order* need not be the order of execution: a store may be put before stores
@@ -24,7 +25,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "stress/checker/clock.hpp"
@@ -112,13 +112,6 @@ class Graph {
   /// the next call.
   Event& begin(EventKind kind, unsigned thread, Order order, const void* pc);
 
-  /// The lowest place in modification order that a read by `thread` may read from.
-  [[nodiscard]] std::size_t lowest_readable(unsigned thread, std::uint32_t location) const;
-  /// Whether a modification may read the store at `place`: no other one has.
-  [[nodiscard]] bool free_to_modify(const Location& location, std::size_t place) const;
-  /// Whether a store may be put at `place` without parting a modification from what it read.
-  [[nodiscard]] bool free_to_place(const Location& location, std::size_t place) const;
-
   /// Completes a load that reads the store at `place`.
   void finish_load(Event& event, std::uint32_t location, std::size_t place);
   /// Completes a store put at `place`, after which it is the store there.
@@ -161,10 +154,6 @@ class Graph {
   [[nodiscard]] EventId id_of(const Event& event) const {
     return static_cast<EventId>(&event - events_.data());
   }
-  /// The place of `store` in the modification order of its location.
-  [[nodiscard]] std::size_t place_of(EventId store) const;
-  /// Its place at `location`; none if it is no store of that location, or no more.
-  [[nodiscard]] std::optional<std::size_t> find_place(std::uint32_t location, EventId store) const;
   [[nodiscard]] EventId find(Ref ref, std::uint32_t location) const;
 
  private:

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "stress/checker/coherence.hpp"
+
 namespace irt::checker {
 
 namespace {
@@ -94,7 +96,7 @@ std::optional<std::size_t> Replay::planned_place(ExecutionState& state, Event& e
   const Graph& graph = state.graph;
   const bool stores = event.kind == EventKind::store;
   const std::size_t last = graph.location(location).stores.size() - (stores ? 0 : 1);
-  const std::size_t lowest = graph.lowest_readable(event.thread, location) + (stores ? 1 : 0);
+  const std::size_t lowest = lowest_readable(graph, event.thread, location) + (stores ? 1 : 0);
   const std::size_t choice = schedule_.steps[position_].choice;
   if (choice > last - lowest) fits_ = false;
   return choice > last - lowest ? last : last - choice;

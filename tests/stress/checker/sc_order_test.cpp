@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "stress/checker/graph.hpp"
+#include "stress/checker/coherence.hpp"
 
 namespace irt::checker {
 namespace {
@@ -51,7 +51,7 @@ class ByDefinition {
       accesses_.push_back({location.stores[place], l, 2 * place});
     for (const EventId read : location.reads)
       if (!graph_.event(read).writes)
-        accesses_.push_back({read, l, 2 * graph_.place_of(graph_.event(read).from) + 1});
+        accesses_.push_back({read, l, 2 * place_of(graph_, graph_.event(read).from) + 1});
   }
 
   bool strongly_happens_before(EventId a, EventId b) const {
@@ -149,7 +149,7 @@ class Grower {
 
   void load(unsigned thread, std::uint32_t location, Order order) {
     std::vector<std::size_t> places;
-    for (std::size_t p = graph_.lowest_readable(thread, location);
+    for (std::size_t p = lowest_readable(graph_, thread, location);
          p < graph_.location(location).stores.size(); ++p)
       places.push_back(p);
     choose(
@@ -160,9 +160,9 @@ class Grower {
 
   void modify(unsigned thread, std::uint32_t location, Order order) {
     std::vector<std::size_t> places;
-    for (std::size_t p = graph_.lowest_readable(thread, location);
+    for (std::size_t p = lowest_readable(graph_, thread, location);
          p < graph_.location(location).stores.size(); ++p)
-      if (graph_.free_to_modify(graph_.location(location), p)) places.push_back(p);
+      if (free_to_modify(graph_, location, p)) places.push_back(p);
     choose(
         places, EventKind::modify, thread, order,
         [&](Graph& g, Event& e, std::size_t p) { return g.allows_read(e, location, p, true); },
@@ -171,9 +171,9 @@ class Grower {
 
   void store(unsigned thread, std::uint32_t location, Order order) {
     std::vector<std::size_t> places;
-    for (std::size_t p = graph_.lowest_readable(thread, location) + 1;
+    for (std::size_t p = lowest_readable(graph_, thread, location) + 1;
          p <= graph_.location(location).stores.size(); ++p)
-      if (graph_.free_to_place(graph_.location(location), p)) places.push_back(p);
+      if (free_to_place(graph_, location, p)) places.push_back(p);
     choose(
         places, EventKind::store, thread, order,
         [&](Graph& g, Event& e, std::size_t p) { return g.allows_place(e, location, p); },
