@@ -14,6 +14,7 @@
 #include "bench/contention/named_events.hpp"
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
+#include "queues/registry.hpp"
 
 namespace irt::contention {
 namespace {

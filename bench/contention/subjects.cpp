@@ -36,8 +36,8 @@ const BuiltIn* find(std::string_view name) {
 
 /// By the queue's name, which is that of its file.
 std::map<std::string, SubjectMaker, std::less<>>& modules() {
-  static std::map<std::string, SubjectMaker, std::less<>> all;
-  return all;
+  static std::map<std::string, SubjectMaker, std::less<>> opened;
+  return opened;
 }
 
 /// Accepts everything and always has the same to give.

@@ -193,9 +193,9 @@ outside_queue_may_be_a_line_or_an_alias() {
   irt render --queue line.hpp
   expect_code 0
   expect_in out '<line>'
-  irt render --queue line.hpp:Alias
-  expect_code 0
-  expect_in out '<line-alias>'
+  irt render --queue line.hpp:Missing
+  expect_code 2
+  expect_in err 'there are Line Alias'
 }
 
 outside_queue_of_several_is_named() {
