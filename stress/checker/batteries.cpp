@@ -52,12 +52,13 @@ std::vector<std::string> battery(const Claims& claims, const Methods& methods) {
       "EE|DE;X",      "EE:D|DE;X",    "E:E|D|E",      "EE|D|D",    "EE|DD@3",   "EEE:DE|D@3",
       "EDD|E",        "EEEEE:D|E@5",  "E|E|DD",       "EEE|DD",    "EE:DD|ED",  "E|E|D@2",
       "EEEE:DDDDD|E", "EEEE:DDDD|DE", "EEEEE:DDDD|D", "EEEE|DDDD", "EDED|ED@5", "EDWD|ES@5",
-      "E|P",          "C|P",          "E:P|C",        "EC|P",      "E|L",       "C|L",
-      "E|C|P",        "B|D",          "B|G",          "B|P|P",     "EP|EP",     "EC|D|P",
-      "BB:G|D",       "B:G|E@2",      "E|L;X",        "EC|P;X",    "B|G;X",     "C|E",
-      "EE|PP",        "EE|D|P",       "EE|P|P",       "E|E|PP",    "EC|P|P",    "C|P|P",
-      "EC|L|P",       "EE|L|P",       "E|E|P|C",      "EEC|P|P@1", "EE|EP|P",   "E|E|P|P",
-      "EB|G|D",       "B|B|G",        "BG|BG",        "BC|P|G",    "E|E|L|P",   "EEE|P|L|L"};
+      "E|P",          "C|P",          "C|P|P",        "C:L|P",     "E:P|C",     "EC|P",
+      "E|L",          "C|L",          "E|C|P",        "B|D",       "B|G",       "B|P|P",
+      "EP|EP",        "EC|D|P",       "BB:G|D",       "B:G|E@2",   "E|L;X",     "EC|P;X",
+      "B|G;X",        "C|E",          "EE|PP",        "EE|D|P",    "EE|P|P",    "E|E|PP",
+      "EC|P|P",       "EC|L|P",       "EE|L|P",       "E|E|P|C",   "EEC|P|P@1", "EE|EP|P",
+      "E|E|P|P",      "EB|G|D",       "B|B|G",        "BG|BG",     "BC|P|G",    "E|E|L|P",
+      "EEE|P|L|L"};
   return fitting(all, claims, methods);
 }
 

@@ -34,8 +34,8 @@ class ProposedQueue {
   explicit ProposedQueue(std::size_t capacity) : capacity_(capacity) {}
 
   QueueStatus try_push(const T& task) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return QueueStatus::busy;
+    std::unique_lock lock(mutex_, std::defer_lock);
+    if (!enter(lock)) return QueueStatus::busy;
     if (closed_) return QueueStatus::closed;
     if (held_.size() == capacity_) return QueueStatus::full;
     held_.push_back(task);
@@ -43,8 +43,8 @@ class ProposedQueue {
     return QueueStatus::success;
   }
   FoundOr<T> try_pop() {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return {std::nullopt, QueueStatus::busy};
+    std::unique_lock lock(mutex_, std::defer_lock);
+    if (!enter(lock)) return {std::nullopt, QueueStatus::busy};
     if (held_.empty()) return {std::nullopt, closed_ ? QueueStatus::closed : QueueStatus::empty};
     return {take()};
   }
@@ -60,6 +60,12 @@ class ProposedQueue {
   }
 
  private:
+  // The broken one is never busy, and the sooner searched.
+  static bool enter(std::unique_lock<std::mutex>& lock) {
+    if (wakes_all) return lock.try_lock();
+    lock.lock();
+    return true;
+  }
   T take() {
     T task = held_.front();
     held_.pop_front();
