@@ -155,8 +155,9 @@ TEST_F(ReadingTest, ShardsMergeAndWhatIsThereTwiceCountsOnce) {
   ASSERT_EQ(results.notes.size(), 2u);
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "more than once", results.notes[0]);
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "newest", results.notes[1]);
-  EXPECT_TRUE(std::ranges::any_of(
-      results.runs, [](const report::Run& run) { return run.number("operations_per_second") == 1234; }));
+  EXPECT_TRUE(std::ranges::any_of(results.runs, [](const report::Run& run) {
+    return run.number("operations_per_second") == 1234;
+  }));
 }
 
 // Whatever tells runs apart, two runs that differ in nothing else are both kept.
