@@ -121,10 +121,12 @@ struct Claims {
     return true;
   }
 
-  /// The least word above 0 that may be pushed.
+  /// The least word above 0 that may be pushed; 0 if there is none.
   [[nodiscard]] constexpr std::uint64_t some_word() const {
-    std::uint64_t word = 1;
-    while (!allows(word)) ++word;
+    std::uint64_t word = 0;
+    // The next one without unused bits: after all reserved words one is free, or all are used up.
+    do word = ((word | unused_bits) + 1) & ~unused_bits;
+    while (word != 0 && !allows(word));
     return word;
   }
 

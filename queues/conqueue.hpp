@@ -32,6 +32,12 @@ namespace irt {
 /// `Queue<T>` is made with its capacity, or without anything.
 template <template <class...> class Queue>
 struct Conqueue {
+  template <class Q>
+  static constexpr bool waits = requires(Q& queue) {
+    bool(queue.pop());
+    queue.close();
+  };
+
   template <class T>
   class Adapter {
    public:
@@ -65,22 +71,14 @@ struct Conqueue {
     }
 
     /// Takes a task, waiting for one; false once the queue is closed and nothing is inside.
-    bool pop_wait(unsigned /*worker*/, T& task) requires requires(Queue<T>& queue) {
-      bool(queue.pop());
-      queue.close();
-    }
-    {
+    bool pop_wait(unsigned /*worker*/, T& task) requires waits<Queue<T>> {
       auto found = queue_.pop();
       if (!found) return false;
       task = std::move(*found);
       return true;
     }
 
-    void close() requires requires(Queue<T>& queue) {
-      bool(queue.pop());
-      queue.close();
-    }
-    { queue_.close(); }
+    void close() requires waits<Queue<T>> { queue_.close(); }
 
    private:
     static Queue<T> made(std::size_t capacity) {

@@ -39,9 +39,10 @@ class OwnerElement {
   OwnerElement() = default;
   explicit OwnerElement(std::uint64_t word) : owned_(std::make_unique<std::uint64_t>(word)) {}
 
+  [[nodiscard]] bool owns() const { return owned_ != nullptr; }
   /// Throws std::logic_error where it was moved from.
   [[nodiscard]] std::uint64_t word() const {
-    if (owned_ == nullptr) throw std::logic_error("an element came out that had been moved from");
+    if (!owns()) throw std::logic_error("an element came out that had been moved from");
     return *owned_;
   }
 
@@ -49,27 +50,16 @@ class OwnerElement {
   std::unique_ptr<std::uint64_t> owned_;
 };
 
-/// Is copied at the price of memory, so that copying it may throw; moves without.
-class CopiedElement {
+/// The same, and may be copied at the price of memory, so that copying it may throw.
+class CopiedElement : public OwnerElement {
  public:
-  CopiedElement() = default;
-  explicit CopiedElement(std::uint64_t word) : owned_(std::make_unique<std::uint64_t>(word)) {}
+  using OwnerElement::OwnerElement;
   CopiedElement(const CopiedElement& other)
-      : owned_(other.owned_ == nullptr ? nullptr : std::make_unique<std::uint64_t>(*other.owned_)) {
-  }
+      : OwnerElement(other.owns() ? OwnerElement(other.word()) : OwnerElement()) {}
   CopiedElement(CopiedElement&&) noexcept = default;
   CopiedElement& operator=(const CopiedElement& other) { return *this = CopiedElement(other); }
   CopiedElement& operator=(CopiedElement&&) noexcept = default;
   ~CopiedElement() = default;
-
-  /// Throws std::logic_error where it was moved from.
-  [[nodiscard]] std::uint64_t word() const {
-    if (owned_ == nullptr) throw std::logic_error("an element came out that had been moved from");
-    return *owned_;
-  }
-
- private:
-  std::unique_ptr<std::uint64_t> owned_;
 };
 
 }  // namespace irt

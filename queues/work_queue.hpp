@@ -183,88 +183,71 @@ class AnyWorkQueue {
   }
 };
 
-/// The face of the concrete queue `Q` of words, through elements that carry a word each
+/// The face of the concrete queue `Q`, whose elements are those of the face or carry one each
 /// (elements.hpp).
-template <class Element, class Q>
-class ElementFace final : public AnyWorkQueue<std::uint64_t> {
+template <class T, class Q, class Element = T>
+class WorkQueueFace final : public AnyWorkQueue<T> {
  public:
-  ElementFace(unsigned workers, std::size_t capacity) : queue_(workers, capacity) {}
+  WorkQueueFace(unsigned workers, std::size_t capacity) : queue_(workers, capacity) {}
 
-  bool push(unsigned worker, std::uint64_t word) override {
-    Element element(word);
+  bool push(unsigned worker, T task) override {
+    Element element(task);
     if constexpr (std::is_copy_constructible_v<Element>)
       return queue_.push(worker, element);
     else
       return queue_.push(worker, std::move(element));
   }
-  bool pop(unsigned worker, std::uint64_t& word) override {
-    return taken(word, [&](Element& element) { return queue_.pop(worker, element); });
+  bool pop(unsigned worker, T& task) override {
+    return taken(task, [&](Element& element) { return queue_.pop(worker, element); });
   }
-  bool pop_wait(unsigned worker, std::uint64_t& word) override {
+
+  bool pop_wait(unsigned worker, T& task) override {
     if constexpr (PopsWaiting<Q, Element>)
-      return taken(word, [&](Element& element) { return queue_.pop_wait(worker, element); });
-    return AnyWorkQueue::pop_wait(worker, word);
+      return taken(task, [&](Element& element) { return queue_.pop_wait(worker, element); });
+    return AnyWorkQueue<T>::pop_wait(worker, task);
   }
-  PopStatus pop_wait(unsigned worker, std::uint64_t& word, Deadline deadline) override {
+  PopStatus pop_wait(unsigned worker, T& task, Deadline deadline) override {
     if constexpr (PopsUntil<Q, Element>) {
       PopStatus status = PopStatus::closed;
-      taken(word, [&](Element& element) {
+      taken(task, [&](Element& element) {
         status = queue_.pop_wait(worker, element, deadline);
         return status == PopStatus::success;
       });
       return status;
     }
-    return AnyWorkQueue::pop_wait(worker, word, deadline);
-  }
-  void close() override {
-    if constexpr (PopsWaiting<Q, Element>) return queue_.close();
-    AnyWorkQueue::close();
-  }
-
- private:
-  template <class Pop>
-  static bool taken(std::uint64_t& word, Pop pop) {
-    Element element;
-    if (!pop(element)) return false;
-    word = element.word();
-    return true;
-  }
-
-  Q queue_;
-};
-
-/// The face of the concrete queue `Q`.
-template <class T, WorkQueueOf<T> Q>
-class WorkQueueFace final : public AnyWorkQueue<T> {
- public:
-  WorkQueueFace(unsigned workers, std::size_t capacity) : queue_(workers, capacity) {}
-
-  bool push(unsigned worker, T task) override { return queue_.push(worker, task); }
-  bool pop(unsigned worker, T& task) override { return queue_.pop(worker, task); }
-
-  bool pop_wait(unsigned worker, T& task) override {
-    if constexpr (PopsWaiting<Q, T>) return queue_.pop_wait(worker, task);
-    return AnyWorkQueue<T>::pop_wait(worker, task);
-  }
-  PopStatus pop_wait(unsigned worker, T& task, Deadline deadline) override {
-    if constexpr (PopsUntil<Q, T>) return queue_.pop_wait(worker, task, deadline);
     return AnyWorkQueue<T>::pop_wait(worker, task, deadline);
   }
   void close() override {
-    if constexpr (PopsWaiting<Q, T>) return queue_.close();
+    if constexpr (PopsWaiting<Q, Element>) return queue_.close();
     AnyWorkQueue<T>::close();
   }
 
   std::size_t push_bulk(unsigned worker, std::span<const T> tasks) override {
-    if constexpr (HasBulk<Q, T>) return queue_.push_bulk(worker, tasks);
+    if constexpr (has_bulk) return queue_.push_bulk(worker, tasks);
     return AnyWorkQueue<T>::push_bulk(worker, tasks);
   }
   std::size_t pop_bulk(unsigned worker, std::span<T> tasks) override {
-    if constexpr (HasBulk<Q, T>) return queue_.pop_bulk(worker, tasks);
+    if constexpr (has_bulk) return queue_.pop_bulk(worker, tasks);
     return AnyWorkQueue<T>::pop_bulk(worker, tasks);
   }
 
  private:
+  static constexpr bool is_same = std::same_as<T, Element>;
+  static_assert(!is_same || WorkQueueOf<Q, T>);
+  static constexpr bool has_bulk = is_same && HasBulk<Q, T>;
+
+  template <class Pop>
+  static bool taken(T& task, Pop pop) {
+    if constexpr (is_same) {
+      return pop(task);
+    } else {
+      Element element;
+      if (!pop(element)) return false;
+      task = element.word();
+      return true;
+    }
+  }
+
   Q queue_;
 };
 
@@ -323,11 +306,11 @@ void require_workers(unsigned workers) {
 template <template <class> class Q, class Element, bool claimed>
 constexpr WordQueueMaker element_queue_maker() {
   if constexpr (claimed)
-    return
-        [](unsigned workers, std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
-          require_workers<Q<Element>>(workers);
-          return std::make_unique<ElementFace<Element, Q<Element>>>(workers, capacity);
-        };
+    return [](unsigned workers,
+              std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
+      require_workers<Q<Element>>(workers);
+      return std::make_unique<WorkQueueFace<std::uint64_t, Q<Element>, Element>>(workers, capacity);
+    };
   return nullptr;
 }
 

@@ -29,7 +29,7 @@ std::vector<std::string> fitting(const std::vector<std::string>& shapes, const C
                [&](const std::string& text) {
                  const Shape shape = parse_shape(text);
                  return allows(claims, shape) && obstacle(methods, shape).empty() &&
-                        (claims.bounded || shape.capacity == 0);
+                        !may_starve(shape, claims) && (claims.bounded || shape.capacity == 0);
                });
   return result;
 }

@@ -17,7 +17,7 @@ Shape GeneratedShapes::next() {
         smallest + count_ / shapes_per_size, std::uint64_t{largest} + count_ / 1000));
     // Large ones alone would leave out what two threads can do.
     Shape shape = draw(size - (size > smallest ? random_.below(size - smallest) / 2 : 0));
-    if (!allows(claims_, shape) || may_starve(shape, claims_.bounded) ||
+    if (!allows(claims_, shape) || may_starve(shape, claims_) ||
         !drawn_.insert(to_string(shape)).second)
       continue;
     ++count_;
@@ -62,7 +62,7 @@ void GeneratedShapes::add_methods(Shape& shape) {
   for (std::string& word : shape.threads)
     for (char& letter : word)
       if (letter == 'D' && !one_in(3)) letter = methods_.deadline && one_in(3) ? 'L' : 'P';
-  if (may_starve(shape, claims_.bounded) || one_in(4)) add_closing(shape);
+  if (may_starve(shape, claims_) || one_in(4)) add_closing(shape);
 }
 
 // By somebody who does not wait before.

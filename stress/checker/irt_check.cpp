@@ -233,7 +233,7 @@ int run(const CommandLine& line) {
     const checker::Shape shape = checker::parse_shape(text);
     if (const std::string why = checker::obstacle(entry.methods, shape); !why.empty())
       throw irt::UsageError(fmt::format("shape \"{}\", queue {}: {}", text, entry.name, why));
-    if (checker::may_starve(shape, entry.claims.bounded))
+    if (checker::may_starve(shape, entry.claims, settings.capacity))
       throw irt::UsageError(fmt::format(
           "shape \"{}\": a waiting pop (P) may be left without an element whatever the queue does; "
           "a shape pushes as many as are popped, for certain and with room for them, or closes the "

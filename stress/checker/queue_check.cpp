@@ -66,7 +66,11 @@ class QueueCheck {
         shapes_(settings.shapes.empty() ? battery(entry.claims, entry.methods) : settings.shapes),
         command_(command),
         searches_(entry, module, settings_, command_),
-        clocked_(settings.real_time.value_or(false)) {}
+        clocked_(settings.real_time.value_or(false)) {
+    std::erase_if(shapes_, [&](const std::string& shape) {
+      return may_starve(parse_shape(shape), entry_.claims, settings_.capacity);
+    });
+  }
 
   QueueResult run() {
     all_.unseen = module_.unseen_calls();

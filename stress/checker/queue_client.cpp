@@ -271,12 +271,7 @@ void QueueClient::push_two(unsigned thread, unsigned worker) {
     accepted = queue_->push_bulk(worker, values);
     return accepted == values.size();
   });
-  if (accepted > values.size())
-    Execution::current_execution()->conclusion().report(
-        FindingKind::wrong_outcome, "push_bulk says that it took more elements than it was given",
-        {});
-  note_return(numbers.front(), accepted > 0);
-  operations_[numbers.front()].no_memory = operations_[numbers.back()].no_memory && accepted == 0;
+  finish_two(numbers, accepted, "push_bulk says that it took more elements than it was given");
   operations_[numbers.back()].untried = accepted == 0;
 }
 
@@ -289,14 +284,19 @@ void QueueClient::pop_two(unsigned thread, unsigned worker) {
     found = queue_->pop_bulk(worker, values);
     return found == values.size();
   });
-  if (found > values.size())
-    Execution::current_execution()->conclusion().report(
-        FindingKind::wrong_outcome,
-        "pop_bulk says that it found more elements than there is room for", {});
-  note_return(numbers.front(), found > 0);
-  operations_[numbers.front()].no_memory = operations_[numbers.back()].no_memory && found == 0;
+  finish_two(numbers, found, "pop_bulk says that it found more elements than there is room for");
+  // It may stop after the first.
   operations_[numbers.back()].untried = found < values.size();
   for (std::size_t i = 0; i < found; ++i) note_popped(numbers.at(i), values.at(i));
+}
+
+// The second call is finished, and has what is common to both.
+void QueueClient::finish_two(const std::array<std::size_t, 2>& numbers, std::size_t made,
+                             const char* too_many) {
+  if (made > numbers.size())
+    Execution::current_execution()->conclusion().report(FindingKind::wrong_outcome, too_many, {});
+  note_return(numbers.front(), made > 0);
+  operations_[numbers.front()].no_memory = operations_[numbers.back()].no_memory && made == 0;
 }
 
 void QueueClient::take_payload(const QueueCall& pop) const {
@@ -345,7 +345,21 @@ bool QueueClient::finish(std::size_t number, Work work) {
   operations_[number].no_memory =
       thrown || (!answered && operations_[number].kind == QueueCall::Kind::push &&
                  execution.allocations().failed(thread) != failed);
+  if (!answered && operations_[number].kind == QueueCall::Kind::push)
+    note_refused(operations_[number]);
   return answered;
+}
+
+void QueueClient::note_refused(const QueueCall& push) const {
+  const stress::Specification specification(entry_.claims, capacity_);
+  const bool excused =
+      push.no_memory || (entry_.claims.bounded && specification.full() != Answer::exact);
+  if (!excused || to_string(shape_).find('P') == std::string::npos || closes_for_certain(shape_) ||
+      std::ranges::any_of(operations_,
+                          [](const QueueCall& o) { return o.kind == QueueCall::Kind::close; }))
+    return;
+  Execution::current_execution()->conclusion().give_up(
+      "a push was refused, as it may be, for whose element somebody might wait");
 }
 
 void QueueClient::note_return(std::size_t number, bool answered) {

@@ -7,12 +7,14 @@
 /// acts for a thread that was stopped.
 ///
 /// Where somebody waits a bounded queue has room for all elements, so that there is one to wait
-/// for, and an unbounded one is made for 64.
+/// for, and an unbounded one is made for 64. A push that is refused although the queue keeps its
+/// word ends an execution in which somebody might wait for its element.
 ///
 /// Each element stands for something that its thread writes just before the push, and that is read
 /// just after the pop, as tasks are: a queue that does not publish it is accused of a data race.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -64,6 +66,9 @@ class QueueClient {
   template <class Work>
   bool finish(std::size_t number, Work work);
   void note_return(std::size_t number, bool answered);
+  void note_refused(const QueueCall& push) const;
+  void finish_two(const std::array<std::size_t, 2>& numbers, std::size_t made,
+                  const char* too_many);
   void age(std::uint64_t pairs, std::shared_ptr<AgedMemory> memory);
   void make_pair(std::uint64_t n);
   std::optional<std::string> judge_history(const Execution& execution);

@@ -221,21 +221,26 @@ std::size_t pushes_of(const Shape& shape) {
   return sum;
 }
 
-bool may_starve(const Shape& shape, bool bounded) {
+bool closes_for_certain(const Shape& shape) {
+  return shape.prologue.find('C') != std::string::npos ||
+         std::any_of(shape.threads.begin(), shape.threads.end(), [](const std::string& thread) {
+           return for_certain(thread).find('C') != std::string_view::npos;
+         });
+}
+
+bool may_starve(const Shape& shape, const Claims& claims, std::size_t places) {
   if (waits_alone(shape)) return true;
   std::string all = shape.prologue;
   for (const std::string& thread : shape.threads) all += thread;
-  if (all.find('P') == std::string::npos) return false;
-  if (shape.prologue.find('C') != std::string::npos) return false;
-  std::size_t pushes = pushes_of(shape.prologue);
-  for (const std::string& thread : shape.threads) {
-    const std::string_view certain = for_certain(thread);
-    if (certain.find('C') != std::string_view::npos) return false;
-    pushes += pushes_of(certain);
-  }
+  if (all.find('P') == std::string::npos || closes_for_certain(shape)) return false;
+  // Each finds what it pushed itself.
+  if (claims.own_queues()) return true;
   // These take as they find.
   if (all.find_first_of("RTF") != std::string::npos) return true;
-  if (bounded && shape.capacity != 0 && shape.capacity < pushes_of(shape)) return true;
+  if (shape.capacity != 0) places = shape.capacity;
+  if (claims.bounded && places != 0 && places < pushes_of(shape)) return true;
+  std::size_t pushes = pushes_of(shape.prologue);
+  for (const std::string& thread : shape.threads) pushes += pushes_of(for_certain(thread));
   return pushes < takes_of(all);
 }
 
@@ -273,7 +278,8 @@ bool allows(const Claims& claims, const Shape& shape) {
     const auto signal = first.find('S');
     const auto wait = second.find('W');
     return signalling == 1 && signal != std::string::npos && wait != std::string::npos &&
-           first.find_first_of("ERTFDPLBG", signal) == std::string::npos &&
+           first.find_first_of(pushing, signal) == std::string::npos &&
+           first.find_first_of(popping, signal) == std::string::npos &&
            second.find_first_of(letters) > wait;
   };
   const auto one_at_a_time = [&](std::string_view letters) {

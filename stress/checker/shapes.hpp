@@ -69,9 +69,12 @@ std::size_t most_held(const Shape& shape);
 std::size_t pushes_of(const Shape& shape);
 
 /// Whether a waiting pop may be left without an element although the queue does all it should: too
-/// few are pushed for certain, and nobody closes the queue for certain. `bounded`: a push may find
-/// no place.
-bool may_starve(const Shape& shape, bool bounded);
+/// few are pushed for certain, and nobody closes the queue for certain. A push may find no place in
+/// a queue with `places` of them; 0: there are enough. The shape's own capacity comes first.
+bool may_starve(const Shape& shape, const Claims& claims, std::size_t places = 0);
+
+/// Whether somebody closes the queue before anybody waits, so that a push may find no place.
+bool closes_for_certain(const Shape& shape);
 
 /// Pushes and pops, and steps that make several, in all words.
 std::size_t calls_of(const Shape& shape);

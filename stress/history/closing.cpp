@@ -49,10 +49,9 @@ std::optional<Breach> judge_end(const Calls& calls, const Specification& specifi
   const auto in_flight = [&](std::size_t i) {
     return !calls.precedes(i, closed) && !calls.precedes(closed, i);
   };
-  for (std::size_t i = 0; i < calls.all().size(); ++i)
-    if (specification.empty() != Answer::exact && i != closed && calls.all()[i].kind == Kind::pop &&
-        in_flight(i))
-      return std::nullopt;
+  if (specification.empty() != Answer::exact)
+    for (std::size_t i = 0; i < calls.all().size(); ++i)
+      if (i != closed && calls.all()[i].kind == Kind::pop && in_flight(i)) return std::nullopt;
   for (std::size_t push = 0; push < calls.all().size(); ++push) {
     const Call& call = calls.all()[push];
     if (call.kind != Kind::push || call.no_effect) continue;

@@ -49,6 +49,8 @@ enum class WaitingBug : std::uint8_t {
   deaf,           ///< a pop with a deadline does not hear that the queue is closed
   accepts,        ///< pushes are accepted after close
   leaves_behind,  ///< a push looks whether the queue is closed, and then adds its element
+  drops,          ///< what is pushed after close is said to be accepted, and thrown away
+  too_soon,       ///< a push is refused although nobody closes the queue, which has no bound
 };
 
 template <WaitingBug bug>
@@ -63,7 +65,8 @@ struct Waits {
 
     bool push(unsigned /*worker*/, T task) {
       std::unique_lock lock(mutex_);
-      if (closed_ && bug != WaitingBug::accepts) return false;
+      if (bug == WaitingBug::too_soon && held_.size() == 1) return false;
+      if (closed_ && bug != WaitingBug::accepts) return bug == WaitingBug::drops;
       if (bug == WaitingBug::leaves_behind) {
         lock.unlock();
         lock.lock();
@@ -129,6 +132,80 @@ template <class T>
 using WaitsAcceptsBug = Waits<WaitingBug::accepts>::Queue<T>;
 template <class T>
 using WaitsLeavesBehindBug = Waits<WaitingBug::leaves_behind>::Queue<T>;
+
+template <class T>
+using DropsClosedBug = Waits<WaitingBug::drops>::Queue<T>;
+template <class T>
+using RefusesTooSoonBug = Waits<WaitingBug::too_soon>::Queue<T>;
+
+/// For one producer, which may count without a lock; anybody may close it.
+template <class T>
+class ClosedInTurn : public WaitsSound<T> {
+ public:
+  static constexpr Claims claims{.ordering = Ordering::fifo_real_time, .producers = Callers::one};
+  using WaitsSound<T>::Queue;
+
+  bool push(unsigned worker, T task) {
+    ++pushes_;
+    return WaitsSound<T>::push(worker, task);
+  }
+
+ private:
+  std::size_t pushes_ = 0;
+};
+
+/// Sound, and *full* while a pop is on its way, which its claims excuse: a push that is refused
+/// then leaves whoever waits for its element waiting.
+template <class T>
+class FullInFlight {
+ public:
+  static constexpr std::string_view summary = "a lock; full while a pop is on its way";
+  static constexpr Claims claims{
+      .ordering = Ordering::fifo_real_time, .bounded = true, .full = Answer::calls_in_flight};
+
+  FullInFlight(unsigned /*workers*/, std::size_t capacity) : capacity_(capacity) {}
+
+  bool push(unsigned /*worker*/, T task) {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || held_.size() + leaving_ >= capacity_) return false;
+    held_.push_back(task);
+    changed_.notify_one();
+    return true;
+  }
+  bool pop(unsigned /*worker*/, T& task) {
+    std::unique_lock lock(mutex_);
+    return take(lock, task);
+  }
+  bool pop_wait(unsigned /*worker*/, T& task) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return closed_ || !held_.empty(); });
+    return take(lock, task);
+  }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  bool take(std::unique_lock<std::mutex>& lock, T& task) {
+    if (held_.empty()) return false;
+    task = held_.front();
+    held_.pop_front();
+    leaving_ += capacity_;
+    lock.unlock();
+    lock.lock();
+    leaving_ -= capacity_;
+    return true;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<T> held_;
+  std::size_t capacity_;
+  std::size_t leaving_ = 0;  ///< places that pops on their way seem to take
+  bool closed_ = false;
+};
 
 enum class BulkBug : std::uint8_t {
   none,

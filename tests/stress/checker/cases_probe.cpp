@@ -19,7 +19,6 @@
 #include "tests/stress/cases/one_short.hpp"
 #include "tests/stress/cases/patient.hpp"
 #include "tests/stress/cases/proposed.hpp"
-#include "tests/stress/cases/refuses_closed.hpp"
 #include "tests/stress/cases/sanitizer_macro.hpp"
 #include "tests/stress/cases/shared_line.hpp"
 #include "tests/stress/cases/tagged_registry.hpp"
@@ -49,11 +48,11 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::FailedGrowthFixed>("failed-growth-fixed"),
     irt::queue_entry<irt::NotifiedTwiceBug>("notified-twice-bug"),
     irt::queue_entry<irt::NotifiedTwiceFixed>("notified-twice-fixed"),
-    irt::queue_entry<irt::RefusesClosed>("refuses-closed"),
     irt::queue_entry<irt::ClosedInTurn>("closed-in-turn"),
     irt::queue_entry<irt::DropsClosedBug>("drops-closed-bug"),
     irt::queue_entry<irt::RefusesTooSoonBug>("refuses-too-soon-bug"),
     irt::queue_entry<irt::WaitsSound>("waits"),
+    irt::queue_entry<irt::FullInFlight>("full-in-flight"),
     irt::queue_entry<irt::WaitsImpatientBug>("waits-impatient-bug"),
     irt::queue_entry<irt::WaitsDeafBug>("waits-deaf-bug"),
     irt::queue_entry<irt::WaitsAcceptsBug>("waits-accepts-bug"),

@@ -84,7 +84,7 @@ TEST(GeneratedShapes, call_the_optional_methods_and_leave_nobody_waiting) {
     const std::vector<Shape> shapes = generated(claims, 1, 600, every);
     for (const Shape& shape : shapes) {
       EXPECT_TRUE(allows(claims, shape)) << to_string(shape);
-      EXPECT_FALSE(may_starve(shape, claims.bounded)) << to_string(shape);
+      EXPECT_FALSE(may_starve(shape, claims)) << to_string(shape);
     }
     for (const char letter : {'P', 'L', 'C', 'B', 'G', 'D', 'E'})
       EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) {

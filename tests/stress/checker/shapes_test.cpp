@@ -138,20 +138,25 @@ TEST(Batteries, destroy_queues_with_elements_inside) {
 TEST(Shapes, that_may_leave_a_waiting_pop_without_an_element_are_known) {
   for (const char* text : {"E|P", "EE:P|D", "EE|P|P", "C|P", "E|C|P", "P|C", "EC|P|P|P", "PE|E",
                            "EP|EP", "E|L", "L|L", "B|P|D", "PC|E", "C:P|P", "E|D;CP", "ES|WP"})
-    EXPECT_FALSE(may_starve(parse_shape(text), false)) << text;
+    EXPECT_FALSE(may_starve(parse_shape(text), Claims{})) << text;
   for (const char* text : {"P", "E|PP", "PE|PE", "E:P|D", "E|P|L", "E|P|D", "EE|G|P", "E|P;P",
                            "P:E", "E:R|P", "WE|PS", "E|P|P;C"})
-    EXPECT_TRUE(may_starve(parse_shape(text), false)) << text;
-  EXPECT_TRUE(may_starve(parse_shape("EE|PP@1"), true)) << "a push may find no place";
-  EXPECT_FALSE(may_starve(parse_shape("EEC|PP@1"), true));
-  EXPECT_FALSE(may_starve(parse_shape("EE|PP"), true)) << "room for both";
+    EXPECT_TRUE(may_starve(parse_shape(text), Claims{})) << text;
+  EXPECT_TRUE(may_starve(parse_shape("EE|PP@1"), anything)) << "a push may find no place";
+  EXPECT_FALSE(may_starve(parse_shape("EEC|PP@1"), anything));
+  EXPECT_FALSE(may_starve(parse_shape("EE|PP"), anything)) << "room for both";
+  EXPECT_TRUE(may_starve(parse_shape("EE|PP"), anything, 1)) << "as the caller has it";
+  EXPECT_FALSE(may_starve(parse_shape("EE|PP"), Claims{}, 1));
+  constexpr Claims own{.producers = Callers::own_worker, .consumers = Callers::own_worker};
+  EXPECT_TRUE(may_starve(parse_shape("E|P"), own)) << "the element is not its own";
+  EXPECT_FALSE(may_starve(parse_shape("EC|P"), own));
 }
 
 TEST(Batteries, leave_nobody_waiting_and_call_what_there_is) {
   constexpr Methods every{.pop_wait = true, .deadline = true, .bulk = true};
   for (const Claims& claims : {anything, single, Claims{}}) {
     for (const std::string& text : battery(claims, every))
-      EXPECT_FALSE(may_starve(parse_shape(text), claims.bounded)) << text;
+      EXPECT_FALSE(may_starve(parse_shape(text), claims)) << text;
     for (const std::string& text : battery(claims))
       EXPECT_EQ(obstacle({}, parse_shape(text)), "") << text;
     const auto with = [&](char letter) {
