@@ -15,7 +15,7 @@ namespace irt {
 
 /// To be raised by whoever changes `PluginDescriptor`, `QueueEntry`,
 /// `Methods`, `Claims` or `AnyWorkQueue`.
-inline constexpr std::uint32_t plugin_abi_version = 4;
+inline constexpr std::uint32_t plugin_abi_version = 5;
 
 /// "iRTqueue", read as a little-endian number.
 inline constexpr std::uint64_t plugin_magic = 0x65756575'71545269U;

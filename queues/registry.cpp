@@ -2,47 +2,45 @@
 
 #include <algorithm>
 #include <dlfcn.h>
-#include <string>
+#include <map>
 
+#include "queues/modules.hpp"
 #include "queues/nearest.hpp"
-#include "queues/plugin.hpp"
 
 namespace irt {
 
-namespace built_in {
-#define IRT_QUEUE(identifier) QueueEntry entry_of_##identifier();
-#include "built_in_queues.inc"
-#undef IRT_QUEUE
-}  // namespace built_in
-
 namespace {
+
+/// The entry of a registered queue; null for any other name.
+const QueueEntry* of_the_tree(std::string_view name) {
+  static std::map<std::string, QueueEntry, std::less<>> opened;
+  if (const auto known = opened.find(name); known != opened.end()) return &known->second;
+  if (!is_registered(name, ModuleKind::plugin)) return nullptr;
+  const std::string own(name);
+  build_modules({&own, 1}, ModuleKind::plugin);
+  const QueueEntry& entry = load_plugin(module_of_tree(name, ModuleKind::plugin)).entry;
+  return &opened.emplace(own, entry).first->second;
+}
 
 /// Everything registered: what carries elements first.
 struct Registered {
   Registered() {
-    carriers = std::stable_partition(
-                   entries.begin(), entries.end(),
-                   [](const QueueEntry& entry) { return entry.claims.carries_elements; }) -
+    const auto& names = registered_queues(ModuleKind::plugin);
+    build_modules(names, ModuleKind::plugin);
+    for (const std::string& name : names) entries.push_back(*of_the_tree(name));
+    carriers = std::ranges::stable_partition(
+                   entries, [](const QueueEntry& entry) { return entry.claims.carries_elements; })
+                   .begin() -
                entries.begin();
   }
 
-  std::vector<QueueEntry> entries{
-#define IRT_QUEUE(identifier) built_in::entry_of_##identifier(),
-#include "built_in_queues.inc"
-#undef IRT_QUEUE
-  };
+  std::vector<QueueEntry> entries;
   std::ptrdiff_t carriers = 0;
 };
 
 const Registered& registered() {
   static const Registered all;
   return all;
-}
-
-const QueueEntry* find_in(std::span<const QueueEntry> entries, std::string_view name) {
-  const auto found =
-      std::ranges::find_if(entries, [name](const QueueEntry& entry) { return entry.name == name; });
-  return found == entries.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -55,29 +53,7 @@ std::span<const QueueEntry> built_in_counters() {
   return {registered().entries.begin() + registered().carriers, registered().entries.end()};
 }
 
-QueueRegistry::QueueRegistry() : entries_(built_in_queues().begin(), built_in_queues().end()) {}
-
-const QueueEntry* QueueRegistry::find(std::string_view name) const {
-  return find_in(entries_, name);
-}
-
-const QueueEntry& QueueRegistry::at(std::string_view name) const {
-  if (const QueueEntry* entry = find(name)) return *entry;
-  if (find_in(built_in_counters(), name) != nullptr)
-    throw RegistryError("queue '" + std::string(name) +
-                        "' only counts and carries nothing; irt bench alone can use it");
-  std::vector<std::string_view> names;
-  names.reserve(entries_.size());
-  for (const QueueEntry& entry : entries_) names.push_back(entry.name);
-  throw RegistryError(unknown_name("queue", name, names));
-}
-
-const QueueEntry& QueueRegistry::at_or_counter(std::string_view name) const {
-  const QueueEntry* counter = find_in(built_in_counters(), name);
-  return counter != nullptr ? *counter : at(name);
-}
-
-const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
+const PluginDescriptor& load_plugin(const std::filesystem::path& file) {
   const auto refuse = [&file](const std::string& why) {
     return RegistryError("plug-in '" + file.string() + "': " + why +
                          "; expected a shared object built by irt_add_plugin()");
@@ -94,15 +70,51 @@ const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
   const std::string why = descriptor == nullptr
                               ? std::string("has no symbol '") + plugin_symbol + "'"
                               : mismatch(*descriptor);
-  if (!why.empty()) {
-    dlclose(object);
-    throw refuse(why);
-  }
-  const std::string_view name = descriptor->entry.name;
-  if (find(name) != nullptr || find_in(built_in_counters(), name) != nullptr)
-    throw RegistryError("plug-in '" + file.string() + "': a queue named '" + std::string(name) +
+  if (why.empty()) return *descriptor;
+  dlclose(object);
+  throw refuse(why);
+}
+
+std::span<const QueueEntry> QueueRegistry::entries() const {
+  all_.assign(built_in_queues().begin(), built_in_queues().end());
+  all_.insert(all_.end(), plugins_.begin(), plugins_.end());
+  return all_;
+}
+
+void QueueRegistry::prepare(std::span<const std::string> names) const {
+  build_modules(names, ModuleKind::plugin);
+}
+
+const QueueEntry* QueueRegistry::find(std::string_view name) const {
+  const auto plugin = std::ranges::find(plugins_, name, &QueueEntry::name);
+  if (plugin != plugins_.end()) return &*plugin;
+  const QueueEntry* entry = of_the_tree(name);
+  return entry != nullptr && entry->claims.carries_elements ? entry : nullptr;
+}
+
+const QueueEntry& QueueRegistry::at(std::string_view name) const {
+  if (const QueueEntry* entry = find(name)) return *entry;
+  if (is_registered(name, ModuleKind::plugin))
+    throw RegistryError("queue '" + std::string(name) +
+                        "' only counts and carries nothing; irt bench alone can use it");
+  const auto& tree = registered_queues(ModuleKind::plugin);
+  std::vector<std::string_view> names(tree.begin(), tree.end());
+  for (const QueueEntry& entry : plugins_) names.push_back(entry.name);
+  throw RegistryError(unknown_name("queue", name, names));
+}
+
+const QueueEntry& QueueRegistry::at_or_counter(std::string_view name) const {
+  const QueueEntry* entry = of_the_tree(name);
+  return entry != nullptr ? *entry : at(name);
+}
+
+const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
+  const QueueEntry& entry = load_plugin(file).entry;
+  if (is_registered(entry.name, ModuleKind::plugin) || find(entry.name) != nullptr)
+    throw RegistryError("plug-in '" + file.string() + "': a queue named '" +
+                        std::string(entry.name) +
                         "' is there already; give the plug-in another name");
-  return entries_.emplace_back(descriptor->entry);
+  return plugins_.emplace_back(entry);
 }
 
 }  // namespace irt

@@ -1,17 +1,21 @@
-/// Every queue by name: those built in and those of opened plug-ins.
+/// Every queue by name: those of the tree and those of opened plug-ins.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "queues/plugin.hpp"
 #include "queues/work_queue.hpp"
 
 namespace irt {
 
-/// The queues that were registered with `irt_add_queue()` and carry elements, in that order.
+/// The queues that were registered with `irt_add_queue()` and carry elements, in that order. Builds
+/// and opens them all; who knows what it wants asks a `QueueRegistry` for that.
 std::span<const QueueEntry> built_in_queues();
 
 /// The registered baselines that carry none (`Claims::carries_elements`), for benchmarks alone.
@@ -23,15 +27,24 @@ class RegistryError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The queues a tool can use. Not thread-safe while plug-ins are being opened.
+/// The descriptor of the plug-in `file`, an absolute path. The object stays loaded until the
+/// process ends, since its code may be in use. Throws RegistryError with what keeps it from being
+/// used.
+const PluginDescriptor& load_plugin(const std::filesystem::path& file);
+
+/// The queues a tool can use. One of the tree is built (modules.hpp) and opened when it is asked
+/// for. Not thread-safe.
 class QueueRegistry {
  public:
-  QueueRegistry();
+  /// All queues that carry elements, those of the tree first. Valid until the next call, or
+  /// `open()`.
+  std::span<const QueueEntry> entries() const;
 
-  /// All queues that carry elements, built-in ones first. Valid until the next `open()`.
-  std::span<const QueueEntry> entries() const { return entries_; }
+  /// Builds those of `names` that are of the tree, all at once. What is asked for one by one is
+  /// built one after the other.
+  void prepare(std::span<const std::string> names) const;
 
-  /// The queue `name`, or nullptr.
+  /// The queue `name`, or nullptr. Entries stay where they are.
   const QueueEntry* find(std::string_view name) const;
 
   /// The queue `name`. Throws RegistryError that names the nearest one there is.
@@ -40,13 +53,17 @@ class QueueRegistry {
   /// The same, baselines that only count included: for tools that do not look at elements.
   const QueueEntry& at_or_counter(std::string_view name) const;
 
-  /// Opens a shared object that `irt_add_plugin()` built and adds its queue. The object stays
-  /// loaded until the process ends, since its code may be in use. Throws RegistryError where `file`
-  /// cannot be opened, is no plug-in, was built for another ABI, or brings a name already taken.
+  /// Opens a shared object that `irt_add_plugin()` built and adds its queue. Throws RegistryError
+  /// where `file` cannot be opened, is no plug-in, was built for another ABI, or brings a name
+  /// already taken.
   const QueueEntry& open(const std::filesystem::path& file);
 
+  /// Those of opened plug-ins.
+  const std::deque<QueueEntry>& plugins() const { return plugins_; }
+
  private:
-  std::vector<QueueEntry> entries_;
+  std::deque<QueueEntry> plugins_;
+  mutable std::vector<QueueEntry> all_;
 };
 
 }  // namespace irt

@@ -44,6 +44,19 @@
 /// As so many calls of `push` or `pop` one after the other, in the order of the span, up to the
 /// first that answers false. `pop_bulk` may also stop earlier, but not before the first element.
 ///
+///       void leave(unsigned worker);
+///
+/// The worker makes no call from now on, until perhaps another thread acts for it; called by the
+/// thread that did, which may end then.
+///
+/// A queue that wants an object of its own for each who calls it has a class `Handle`, which is
+/// made of the queue, and takes it in place of the worker in all methods; it has no `leave`. A
+/// worker's handle is made by its first call and destroyed when it leaves, each time in the thread
+/// that acts for it (`handles.hpp`).
+///
+///       struct Handle { explicit Handle(MyQueue& queue); };
+///       bool push(Handle& handle, T task);
+///
 /// Elements are trivially copyable words of at most eight bytes, and what else the queue claims to
 /// take (`Claims::elements`). Construction and destruction are single-threaded; a queue may be
 /// destroyed while it still holds elements.
@@ -64,6 +77,7 @@
 
 #include "queues/claims.hpp"
 #include "queues/elements.hpp"
+#include "queues/handles.hpp"
 
 namespace irt {
 
@@ -82,6 +96,7 @@ struct Methods {
   bool pop_wait = false;  ///< and `close`
   bool deadline = false;  ///< `pop_wait` takes one
   bool bulk = false;      ///< `push_bulk` and `pop_bulk`
+  bool leave = false;     ///< workers leave, or have handles
 };
 
 // clang-format 14 does not know how to lay out a concept.
@@ -102,7 +117,8 @@ concept WorkQueueOf =
 /// `Q` is a work queue for every element the testbed uses: tasks (pointers) and tagged integers.
 template <template <class> class Q>
 concept WorkQueue =
-    WorkQueueOf<Q<void*>, void*> && WorkQueueOf<Q<std::uint64_t>, std::uint64_t>;
+    WorkQueueOf<ByWorker<Q<void*>, void*>, void*> &&
+    WorkQueueOf<ByWorker<Q<std::uint64_t>, std::uint64_t>, std::uint64_t>;
 
 /// `Q` has a pop that waits, and can be closed.
 template <class Q, class T>
@@ -125,6 +141,12 @@ concept HasBulk = requires(Q& queue, unsigned worker, std::span<const T> in, std
   { queue.pop_bulk(worker, out) } -> std::same_as<std::size_t>;
 };
 
+/// The workers of `Q` say when they make no further call.
+template <class Q>
+concept HasLeave = requires(Q& queue, unsigned worker) {
+  { queue.leave(worker) } -> std::same_as<void>;
+};
+
 /// `Q` has nothing that looks like an optional method and is none.
 template <class Q, class T>
 concept HasWholeMethods =
@@ -135,6 +157,7 @@ concept HasWholeMethods =
      !requires(Q& queue, unsigned worker, T& task, Deadline deadline) {
        queue.pop_wait(worker, task, deadline);
      }) &&
+    (HasLeave<Q> || !requires(Q& queue, unsigned worker) { queue.leave(worker); }) &&
     (HasBulk<Q, T> ||
      !(requires(Q& queue, unsigned worker, std::span<const T> in) { queue.push_bulk(worker, in); } ||
        requires(Q& queue, unsigned worker, std::span<T> out) { queue.pop_bulk(worker, out); }));
@@ -144,11 +167,14 @@ concept HasWholeMethods =
 /// The optional methods of `Q`.
 template <class Q, class T>
 constexpr Methods methods_of() {
-  return {.pop_wait = PopsWaiting<Q, T>, .deadline = PopsUntil<Q, T>, .bulk = HasBulk<Q, T>};
+  return {.pop_wait = PopsWaiting<Q, T>,
+          .deadline = PopsUntil<Q, T>,
+          .bulk = HasBulk<Q, T>,
+          .leave = HasLeave<Q>};
 }
 
 /// The type-erased face of a queue of `T`: one virtual call per operation. What a queue does not
-/// have (`QueueEntry::methods`) throws std::logic_error.
+/// have (`QueueEntry::methods`) throws std::logic_error, but for `leave`, which does nothing.
 template <class T>
 class AnyWorkQueue {
  public:
@@ -176,6 +202,9 @@ class AnyWorkQueue {
     lacks("push_bulk");
   }
   virtual std::size_t pop_bulk(unsigned /*worker*/, std::span<T> /*tasks*/) { lacks("pop_bulk"); }
+
+  /// The worker makes no further call for now. By the thread that acted for it.
+  virtual void leave(unsigned /*worker*/) {}
 
  private:
   [[noreturn]] static void lacks(const char* method) {
@@ -231,6 +260,10 @@ class WorkQueueFace final : public AnyWorkQueue<T> {
     return AnyWorkQueue<T>::pop_bulk(worker, tasks);
   }
 
+  void leave(unsigned worker) override {
+    if constexpr (HasLeave<Q>) queue_.leave(worker);
+  }
+
  private:
   static constexpr bool is_same = std::same_as<T, Element>;
   static_assert(!is_same || WorkQueueOf<Q, T>);
@@ -250,6 +283,28 @@ class WorkQueueFace final : public AnyWorkQueue<T> {
 
   Q queue_;
 };
+
+/// While it lives a thread acts for `worker`, which leaves the queue then.
+template <class Queue>
+class ActsFor {
+ public:
+  ActsFor(Queue& queue, unsigned worker) : queue_(queue), worker_(worker) {}
+  ActsFor(const ActsFor&) = delete;
+  ActsFor& operator=(const ActsFor&) = delete;
+  ~ActsFor() {
+    if constexpr (HasLeave<Queue>) queue_.leave(worker_);
+  }
+
+ private:
+  Queue& queue_;
+  unsigned worker_;
+};
+
+/// All workers leave `queue`, for which one thread has acted.
+template <class Queue>
+void leave_all(Queue& queue, unsigned workers) {
+  for (unsigned worker = 0; worker < workers; ++worker) ActsFor(queue, worker);
+}
 
 using WordQueueMaker = std::unique_ptr<AnyWorkQueue<std::uint64_t>> (*)(unsigned workers,
                                                                         std::size_t capacity);
@@ -309,7 +364,8 @@ constexpr WordQueueMaker element_queue_maker() {
     return [](unsigned workers,
               std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
       require_workers<Q<Element>>(workers);
-      return std::make_unique<WorkQueueFace<std::uint64_t, Q<Element>, Element>>(workers, capacity);
+      return std::make_unique<WorkQueueFace<std::uint64_t, ByWorker<Q<Element>, Element>, Element>>(
+          workers, capacity);
     };
   return nullptr;
 }
@@ -321,24 +377,27 @@ constexpr QueueEntry queue_entry(std::string_view name) {
   static_assert(WorkQueue<Q>,
                 "this class template is no work queue: queues/work_queue.hpp says what "
                 "it must have (constructor, push, pop, claims, summary)");
-  static_assert(HasWholeMethods<Q<void*>, void*>,
+  using Tasks = ByWorker<Q<void*>, void*>;
+  using Words = ByWorker<Q<std::uint64_t>, std::uint64_t>;
+  static_assert(HasWholeMethods<Tasks, void*>,
                 "pop_wait returns bool, with a deadline irt::PopStatus, and comes with "
-                "void close(); push_bulk and pop_bulk return std::size_t and come together: "
+                "void close(); push_bulk and pop_bulk return std::size_t and come together; "
+                "leave returns void: "
                 "queues/work_queue.hpp says how they are declared");
   return {
       .name = name,
       .summary = Q<void*>::summary,
       .claims = Q<void*>::claims,
-      .methods = methods_of<Q<void*>, void*>(),
+      .methods = methods_of<Tasks, void*>(),
       .make_task_queue = [](unsigned workers,
                             std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<void*>> {
         require_workers<Q<void*>>(workers);
-        return std::make_unique<WorkQueueFace<void*, Q<void*>>>(workers, capacity);
+        return std::make_unique<WorkQueueFace<void*, Tasks>>(workers, capacity);
       },
       .make_word_queue = [](unsigned workers,
                             std::size_t capacity) -> std::unique_ptr<AnyWorkQueue<std::uint64_t>> {
         require_workers<Q<std::uint64_t>>(workers);
-        return std::make_unique<WorkQueueFace<std::uint64_t, Q<std::uint64_t>>>(workers, capacity);
+        return std::make_unique<WorkQueueFace<std::uint64_t, Words>>(workers, capacity);
       },
       .make_element_queue =
           {.large = element_queue_maker<Q, LargeElement, Q<void*>::claims.elements.large>(),

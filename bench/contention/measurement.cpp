@@ -14,6 +14,7 @@
 #include "bench/contention/named_events.hpp"
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
+#include "queues/modules.hpp"
 #include "queues/registry.hpp"
 
 namespace irt::contention {
@@ -196,6 +197,7 @@ class Measurement {
       ++prefilled_;
       prefilled_sum_ += element;
     }
+    subject_->leave(job_.threads);
   }
 
   void start() {
@@ -305,7 +307,9 @@ class Measurement {
 
   // Everything that went in has come out or is still inside, once; where there are elements.
   void take_stock() {
-    if (std::ranges::count(built_in_counters(), job_.queue, &QueueEntry::name) != 0) return;
+    if (is_registered(job_.queue, ModuleKind::plugin) &&
+        !QueueRegistry().at_or_counter(job_.queue).claims.carries_elements)
+      return;
     std::uint64_t in = prefilled_sum_, out = 0;
     std::uint64_t pushes = prefilled_, pops = 0;
     for (const auto& seat : seats_) {

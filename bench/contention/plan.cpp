@@ -61,6 +61,7 @@ void settle(Plan& plan, const QueueRegistry& queues, const Machine& machine) {
     plan.queues.emplace_back(baselines);
   }
   plan.queues = with_baselines(plan.queues);
+  queues.prepare(plan.queues);
   for (const std::string& name : plan.queues) queues.at_or_counter(name);
   for (const std::string& name : plan.scenarios) scenario_at(name);
   for (const std::string& name : plan.placements) place(name, machine);

@@ -17,6 +17,7 @@
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
+#include "queues/modules.hpp"
 #include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
@@ -50,12 +51,24 @@ class Sweep {
       fmt::print(stderr, "irt: interrupted before anything was measured\n");
       return exit_interrupted;
     }
+    build_subjects();
     announce();
     measure_all();
     return report();
   }
 
  private:
+  // Here, since several are built side by side; children open what is there.
+  void build_subjects() const {
+    std::vector<std::string> measured, counted;
+    for (const Row& row : rows_) {
+      measured.push_back(row.queue);
+      if (row.not_countable.empty()) counted.push_back(row.queue);
+    }
+    build_modules(measured, ModuleKind::contention);
+    build_modules(counted, ModuleKind::counted);
+  }
+
   // Takes plan and results from the journal. What the user set on the command line must be what it
   // says.
   void go_on(const std::filesystem::path& file) {

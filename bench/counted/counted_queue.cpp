@@ -1,54 +1,47 @@
 #include "bench/counted/counted_queue.hpp"
 
-#include <algorithm>
-#include <dlfcn.h>
-#include <stdexcept>
 #include <utility>
 
 #include "bench/counted/atomic_events.hpp"
-#include "queues/plugin.hpp"
+#include "queues/modules.hpp"
+#include "queues/registry.hpp"
 
 namespace irt {
 
 namespace {
 
-// Each with its file.
-std::vector<std::pair<std::string, std::string>>& all_queues() {
-  static std::vector<std::pair<std::string, std::string>> all{
-#define IRT_QUEUE(name, file) {name, file},
-#include "counted_queues.inc"
-#undef IRT_QUEUE
-  };
+/// Those of plug-ins, each with its file.
+std::vector<std::pair<std::string, std::filesystem::path>>& plugins() {
+  static std::vector<std::pair<std::string, std::filesystem::path>> all;
   return all;
 }
 
 }  // namespace
 
 void add_counted_plugin(const std::filesystem::path& file) {
-  std::filesystem::path counted = std::filesystem::absolute(file);
-  counted.replace_extension(".counted.so");
-  if (std::filesystem::exists(counted)) all_queues().emplace_back(file.stem(), counted);
+  const auto counted = module_beside(std::filesystem::absolute(file), ModuleKind::counted);
+  if (std::filesystem::exists(counted)) plugins().emplace_back(file.stem(), counted);
 }
 
 std::vector<std::string> counted_queues() {
-  std::vector<std::string> names;
-  for (const auto& [name, file] : all_queues()) names.push_back(name);
+  std::vector<std::string> names = registered_queues(ModuleKind::counted);
+  for (const auto& [name, file] : plugins()) names.push_back(name);
   return names;
 }
 
 const QueueEntry* counted_queue(std::string_view name) {
-  const auto& all = all_queues();
-  const auto found =
-      std::ranges::find_if(all, [name](const auto& one) { return one.first == name; });
-  if (found == all.end()) return nullptr;
+  std::filesystem::path file;
+  if (is_registered(name, ModuleKind::counted)) {
+    const std::string own(name);
+    build_modules({&own, 1}, ModuleKind::counted);
+    file = module_of_tree(name, ModuleKind::counted);
+  } else {
+    for (const auto& [plugin, counted] : plugins())
+      if (plugin == name) file = counted;
+  }
+  if (file.empty()) return nullptr;
   atomic_events();  // so that the linker keeps the runtime, which the object needs
-  void* object = dlopen(found->second.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (object == nullptr) throw std::runtime_error(dlerror());
-  const auto* descriptor = static_cast<const PluginDescriptor*>(dlsym(object, plugin_symbol));
-  if (descriptor == nullptr) throw std::runtime_error(dlerror());
-  if (const std::string why = mismatch(*descriptor); !why.empty())
-    throw std::runtime_error("plug-in '" + found->second + "': " + why + "; build it again");
-  return &descriptor->entry;
+  return &load_plugin(file).entry;
 }
 
 }  // namespace irt

@@ -11,6 +11,7 @@
 #include "bench/counted/pairs.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
+#include "queues/modules.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
@@ -83,6 +84,8 @@ int measure(Options options) {
     add_counted_plugin(plugin);
   }
   if (options.queues.empty()) options.queues = counted_queues();
+  registry.prepare(options.queues);
+  build_modules(options.queues, ModuleKind::counted);
   check_names(registry, options.queues);
   if (options.threads.empty()) {
     options.threads = {1};

@@ -52,6 +52,7 @@ double run(const QueueEntry& entry, const PairsOptions& options, Seat& sum) {
     threads.emplace_back([&, worker] {
       start.arrive_and_wait();
       atomic_events() = {};
+      const ActsFor leaves(*queue, worker);
       push_and_pop(*queue, entry.claims, roles, worker, stop, seats[worker]);
       seats[worker].events = atomic_events();
     });

@@ -14,6 +14,7 @@
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
+#include "queues/modules.hpp"
 #include "stress/running/child_process.hpp"
 #include "stress/running/usage_error.hpp"
 
@@ -86,10 +87,9 @@ std::vector<unsigned> default_threads() {
 std::vector<std::string> default_queues(const QueueRegistry& queues) {
   std::vector<std::string> names;
   for (const char* name : {"lock", "lfree", "local", "mutex", "tbb", "boost-lockfree"}) {
-    if (queues.find(name) != nullptr) names.emplace_back(name);
+    if (is_registered(name, ModuleKind::plugin)) names.emplace_back(name);
   }
-  for (const QueueEntry& plugin : queues.entries().subspan(built_in_queues().size()))
-    names.emplace_back(plugin.name);
+  for (const QueueEntry& plugin : queues.plugins()) names.emplace_back(plugin.name);
   return names;
 }
 
@@ -104,6 +104,7 @@ Plan plan_of(const CompareOptions& options, const QueueRegistry& queues) {
             .shard = options.shard};
   for (WorkloadOptions& workload : plan.workloads) check(workload);
   if (plan.queues.empty()) plan.queues = default_queues(queues);
+  queues.prepare(plan.queues);
   for (const std::string& name : plan.queues) queues.at(name);
   if (!options.queues.empty() && std::ranges::none_of(plan.workloads, uses_queue)) {
     check_queue(options.queues.front(), plan.workloads.front());
@@ -235,7 +236,7 @@ class Comparison {
   // process of its own; nothing if interrupted.
   std::optional<FirstFrame> first_frame(Workload& workload, unsigned threads, bool keep_picture) {
     constexpr double a_day = 86'400;
-    const QueueEntry& queue = built_in_queues().front();
+    const QueueEntry& queue = queues_.at("lock");
     const Ending ending = in_child(a_day, cancel_, [&] {
       const Sample first = take_sample(workload, queue, {.threads = threads, .warmup = 0}, cancel_);
       if (keep_picture) write_png(options_.out / "frame.png", workload.application().image());
@@ -279,8 +280,8 @@ class Comparison {
     const auto frames = static_cast<unsigned>(std::clamp(enough / expected, 3.0, 1000.0));
     std::vector<double> seconds;
     Clock::time_point begin = Clock::now();
-    take_sample(workload, built_in_queues().front(),
-                {.threads = threads, .warmup = 1, .frames = frames}, cancel_, [&](bool counted) {
+    take_sample(workload, queues_.at("lock"), {.threads = threads, .warmup = 1, .frames = frames},
+                cancel_, [&](bool counted) {
                   const Clock::time_point now = Clock::now();
                   if (counted)
                     seconds.push_back(std::chrono::duration<double>(now - begin).count());

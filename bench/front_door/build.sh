@@ -34,6 +34,21 @@ configure() {
 
 ninja_options=()
 
+# build_modules PRESET FILE... : brings modules of the tree's queues up to date, for a tool that was
+# just built.
+build_modules() {
+  local preset=$1 log=$logs/build-$1-modules.log
+  shift
+  exec {build_lock}>"$here/build/lock-$preset"
+  flock "$build_lock"
+  if ! NINJA_STATUS='[%f/%t] ' run_step 'Building queues' "$log" \
+    ninja -C "$here/build/$preset" -j "$(build_jobs)" "${@#"$here/build/$preset/"}"; then
+    say "irt: a queue could not be built"
+    show_failure "$log"
+    exit 1
+  fi
+}
+
 # prepare_build PRESET PACKAGES... : from whatever state to a configured build, which this irt alone
 # uses until it closes build_lock.
 prepare_build() {

@@ -34,6 +34,9 @@ Started the queue $name in $folder. It works as it is; each of these builds what
   $irt stress --sanitizer tsan --queue $header
   $irt compare --queue lfree,$header
   $irt bench contention --queue lfree,$header
+  $irt bench micro --queue lfree,$header
+  $irt bench counted --queue lfree,$header
+  $irt bench instructions --queue lfree,$header
   $irt simulate --queue lfree,$header --cores 1..192
   $irt simulate --renderer --queue lfree,$header
 

@@ -48,7 +48,7 @@ outside_name() {
   local name=${1##*/}
   name=${name%.*}
   [[ -n $3 ]] && name+=-${2##*::}
-  name=$(sed -E 's/([a-z0-9])([A-Z])/\1-\2/g; s/[^A-Za-z0-9]+/-/g; s/^[^A-Za-z]+//; s/-+$//' \
+  name=$(sed -E 's/([a-z0-9])([A-Z])/\1-\2/g; s/([A-Z])([A-Z][a-z])/\1-\2/g; s/[^A-Za-z0-9]+/-/g; s/^[^A-Za-z]+//; s/-+$//' \
     <<<"$name" | tr '[:upper:]' '[:lower:]')
   [[ -n $name ]] || name=queue
   grep -qs "^irt_add_queue($name " "$here/queues/CMakeLists.txt" && name+=-outside
@@ -97,10 +97,25 @@ install_development() {
     >"$logs/install-development.log"
 }
 
-# build_outside PRESET HEADER[:CLASS] ,INCLUDE... ,LINK... ,SOURCE... : builds the plug-in; sets
-# outside_plugin and outside_queue.
+# modules_of TOOL : what of a queue it opens, by the ends of the files (queues/modules.hpp); fails
+# where it takes no queue.
+modules_of() {
+  case $1 in
+    check) echo virtual.so ;;
+    simulate) echo so virtual.so ;;
+    'bench contention') echo so contention.so counted.so ;;
+    'bench counted') echo so counted.so ;;
+    'bench micro') echo micro.so ;;
+    watch) echo so contention.so virtual.so ;;
+    compare | render | list | collide | overhead | stress | 'bench instructions') echo so ;;
+    *) return 1 ;;
+  esac
+}
+
+# build_outside PRESET TOOL HEADER[:CLASS] ,INCLUDE... ,LINK... ,SOURCE... ,FLAG... : builds of the
+# plug-in what the tool opens; sets outside_plugin and outside_queue.
 build_outside() {
-  local preset=$1 given=$2 includes=$3 links=$4 sources=$5 flags=$6
+  local preset=$1 tool=$2 given=$3 includes=$4 links=$5 sources=$6 flags=$7
   [[ $given =~ $outside_pattern ]]
   local header=${BASH_REMATCH[1]} class=${BASH_REMATCH[3]#:}
   [[ -f $header ]] || usage_error "--queue $given: there is no file $header"
@@ -154,7 +169,15 @@ P
       exit 2
     fi
   fi
-  if ! run_step "Building $outside_queue" "$log" ninja -C "$folder/build" -j "$(build_jobs)"; then
+  local -a modules=()
+  local end
+  for end in $(modules_of "$tool"); do
+    # Without virtual cores, or under a sanitizer, there is less.
+    ninja -C "$folder/build" -t query "$outside_queue.$end" &>/dev/null &&
+      modules+=("$outside_queue.$end")
+  done
+  if ! run_step "Building $outside_queue" "$log" ninja -C "$folder/build" -j "$(build_jobs)" \
+    "${modules[@]}"; then
     say "irt: --queue $given does not compile as a queue:"
     first_error "$log"
     say "irt: the whole log is in $log"
@@ -162,10 +185,6 @@ P
   fi
   exec {outside_lock}>&-
 }
-
-# What takes --plugin.
-tools_with_plugins=(compare render list collide overhead stress check simulate 'bench contention'
-  'bench counted' 'bench instructions')
 
 # has_outside_queue ARGUMENTS... : whether a header is among the queues.
 has_outside_queue() {
@@ -184,23 +203,15 @@ has_outside_queue() {
   return 1
 }
 
-# refuse_outside_queues TOOL ARGUMENTS... : where the tool takes none.
-refuse_outside_queues() {
-  local tool=$1 taking
-  shift
-  has_outside_queue "$@" || return 0
-  for taking in "${tools_with_plugins[@]}"; do [[ $taking == "$tool" ]] && return 0; done
-  usage_error "$tool: takes no queue from outside the tree; these do:$(printf ', %s' "${tools_with_plugins[@]}" | cut -c2-)"
-}
-
-# replace_outside_queues PRESET ARGUMENTS... : builds the headers among the queues; leaves the
+# replace_outside_queues PRESET TOOL ARGUMENTS... : builds the headers among the queues; leaves the
 # arguments in `replaced`, with plug-ins in their place.
 replace_outside_queues() {
-  local preset=$1 argument
-  shift
+  local preset=$1 tool=$2 argument
+  shift 2
   replaced=("$@")
   has_outside_queue "$@" || return 0
   local includes='' links='' sources='' flags='' queues='' previous='' option value element
+  local given_options=''
   local -a rest=() plugins=() lists=()
   while (($#)); do
     option=${1%%=*} value=''
@@ -211,19 +222,23 @@ replace_outside_queues() {
         ;;
     esac
     case $option in
-      --include | --link | --source | --flag) note_need "$option" "$value" ;;
+      --include | --link | --source | --flag)
+        note_need "$option" "$value"
+        given_options+=" $option=$(printf %q "$value")"
+        ;;
       -q | --queue | --queues) lists+=("$value") rest+=("$option" "$((${#lists[@]} - 1))@") ;;
       *) rest+=("$1") && shift ;;
     esac
   done
   install_development
-  local i
+  local i given=''
   for i in "${!lists[@]}"; do
     queues=''
     while read -r -d, element; do
       if [[ $element =~ $outside_pattern ]]; then
-        build_outside "$preset" "$element" "$includes" "$links" "$sources" "$flags"
+        build_outside "$preset" "$tool" "$element" "$includes" "$links" "$sources" "$flags"
         plugins+=(--plugin "$outside_plugin")
+        given+="$outside_queue --queue $(printf %q "$element")$given_options"$'\n'
         element=$outside_queue
       fi
       queues+=,$element
@@ -237,4 +252,5 @@ replace_outside_queues() {
     previous=$argument
   done
   replaced+=("${plugins[@]}")
+  export IRT_QUEUES_GIVEN=$given  # for commands that tools tell: stress/running/queue_options.hpp
 }

@@ -84,6 +84,7 @@ watch_queue() {
   local file=${BASH_REMATCH[1]} class=${BASH_REMATCH[3]}
   [[ -f $file ]] || usage_error "watch: there is no file $file"
   build_target release 'irt-check irt-stress irt-contention' "${packages_tools[@]}"
+  [[ $against =~ $outside_pattern ]] && usage_error "watch: --against takes a queue of the tree, and not '$against'"
   install_development
 
   # As it was at first, under another name: what it is timed against.
@@ -94,7 +95,7 @@ watch_queue() {
     before=$out/$(basename -- "${file%.*}")_before.${file##*.}
     rm -f -- "$out/before"
     cp -- "$file" "$before"
-    (build_outside release "$before$class" "$includes,$(realpath -- "$(dirname -- "$file")")" "$links" \
+    (build_outside release watch "$before$class" "$includes,$(realpath -- "$(dirname -- "$file")")" "$links" \
       "$sources" "$flags" && printf '%s\n' "$outside_plugin" "$outside_queue" >"$out/before") 2>/dev/null
     mapfile -t baseline < <(cat "$out/before" 2>/dev/null)
     if ((${#baseline[@]} == 2)); then
@@ -103,11 +104,17 @@ watch_queue() {
       baseline=(lfree)  # there is no running version yet
     fi
   fi
+  if ((${#baseline[@]} == 1)); then
+    local modules=$here/build/release/queues/modules/$baseline
+    grep -qx "$baseline.contention.so" "${modules%/*}/list.txt" ||
+      usage_error "watch: --against $baseline: there is no such queue; 'irt list' shows them"
+    (build_modules release "$modules.so" "$modules.contention.so") || exit 1
+  fi
 
   while true; do
     [[ -t 1 ]] && printf '\e[H\e[2J'
     code=0
-    if (build_outside release "$header" "$includes" "$links" "$sources" "$flags" &&
+    if (build_outside release watch "$header" "$includes" "$links" "$sources" "$flags" &&
       printf '%s\n' "$outside_plugin" "$outside_queue" >"$out/now"); then
       { read -r plugin && read -r queue; } <"$out/now"
       echo "$queue, saved at $(date -r "$file" +%T)"

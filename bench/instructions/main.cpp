@@ -214,6 +214,7 @@ int run(int argc, char** argv) {
   if (const auto code = parse(app, argc, argv)) return *code;
   if (!options.measured.empty()) return be_measured(options);
   const QueueRegistry registry = registry_with(options.plugins);
+  registry.prepare(options.queues);
   for (const std::string& name : options.queues) registry.at_or_counter(name);
   if (!has_valgrind())
     throw std::runtime_error("valgrind is missing; the package valgrind brings it");

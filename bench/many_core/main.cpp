@@ -91,6 +91,8 @@ int run(int argc, char** argv) {
   if (const auto code = parse(app, argc, argv)) return *code;
   for (const std::string& plugin : arguments.plugins) sweep.queues.add(plugin);
   if (arguments.list) return list(sweep.queues);
+  const bool all = arguments.validate || (sweep.subjects.empty() && sweep.primitives.empty());
+  sweep.queues.prepare(all ? sweep.queues.names() : sweep.subjects);
   sweep.cores = parse_cores(arguments.cores);
   sweep.scenario = parse_scenario(arguments.scenario);
   sweep.placement = parse_placement(arguments.placement);

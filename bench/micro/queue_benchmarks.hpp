@@ -7,7 +7,7 @@
 #include <string>
 
 #include "bench/micro/allocations.hpp"
-#include "queues/work_queue.hpp"
+#include "queues/plugin.hpp"
 
 namespace irt::micro {
 
@@ -76,7 +76,7 @@ void full_push(benchmark::State& state, Queue& queue) {
 /// type-erased one.
 template <template <class> class Q>
 void add_queue(const char* name) {
-  using Queue = Q<Word>;
+  using Queue = ByWorker<Q<Word>, Word>;
   using Body = void (*)(benchmark::State&, Queue&);
   const auto add = [name](const char* what, Body body) {
     benchmark::RegisterBenchmark((std::string(name) + "/" + what).c_str(),
@@ -102,5 +102,11 @@ void add_queue(const char* name) {
                                    benchmark::DoNotOptimize(std::make_unique<Queue>(1, capacity));
                                });
 }
+
+/// What the micro module of a queue shows, at the C symbol `irt_micro`.
+struct BenchmarkModule {
+  std::uint32_t abi_version = plugin_abi_version;
+  void (*add)() = nullptr;  ///< registers the benchmarks
+};
 
 }  // namespace irt::micro

@@ -31,6 +31,9 @@ namespace irt {
 template <template <class> class Inner>
 struct Waiting {
   template <class T>
+  using Of = ByWorker<Inner<T>, T>;
+
+  template <class T>
   class Queue {
    public:
     static constexpr std::string_view summary = Inner<T>::summary;
@@ -81,7 +84,7 @@ struct Waiting {
     }
 
     /// As the queue inside, where it has them; who waits is notified.
-    std::size_t push_bulk(unsigned worker, std::span<const T> tasks) requires HasBulk<Inner<T>, T> {
+    std::size_t push_bulk(unsigned worker, std::span<const T> tasks) requires HasBulk<Of<T>, T> {
       std::size_t count = 0;
       closing_.push(worker, [&] {
         count = inner_.push_bulk(worker, tasks);
@@ -90,11 +93,14 @@ struct Waiting {
       if (count != 0) event_.notify_all();
       return count;
     }
-    std::size_t pop_bulk(unsigned worker, std::span<T> tasks) requires HasBulk<Inner<T>, T> {
+    std::size_t pop_bulk(unsigned worker, std::span<T> tasks) requires HasBulk<Of<T>, T> {
       const std::size_t count = inner_.pop_bulk(worker, tasks);
       if (!empty_is_exact && count != 0) event_.notify_one();
       return count;
     }
+
+    /// As the queue inside.
+    void leave(unsigned worker) requires HasLeave<Of<T>> { inner_.leave(worker); }
 
     /// Refuses what is pushed from now on, and wakes whoever waits. Wait-free.
     void close() {
@@ -127,7 +133,7 @@ struct Waiting {
       }
     }
 
-    Inner<T> inner_;
+    Of<T> inner_;
     EventCount event_;
     Closing closing_;
   };

@@ -17,16 +17,19 @@
 # makes the imported <target> of a library without a CMake package, if its header and the libraries
 # named are found.
 #
-#   irt_for_each_queue(<template> <out-var> [QUEUES <name>...])
+#   irt_queue_modules(<kind> <template> [LINK <target>...])
 #
-# instantiates a source template once per registered queue (or per queue named) and appends the
-# generated files to <out-var>. The template may use @QUEUE_NAME@, @QUEUE_IDENTIFIER@ (the name with
-# '_' for '-'), @QUEUE_HEADER@ (as in #include "...") and @QUEUE_CLASS@.
+# compiles a source template once per registered queue into the module NAME.<kind>.so, or NAME.so for
+# the kind `plugin` (queues/modules.hpp): the target irt_<kind>_<name>. The template may use
+# @QUEUE_NAME@, @QUEUE_HEADER@ (as in #include "...") and @QUEUE_CLASS@. irt_queue_source makes the
+# source alone. All modules stand in the folder that the global property IRT_QUEUE_MODULES names;
+# irt_list_modules() writes there which there can be. The target irt-queues builds them.
 #
 # What links a queue's concrete type links the interface library `irt_queue_<name>`, or
 # `irt_queue_headers` for all of them. The global property IRT_QUEUES lists the names in the order
 # of registration, which is the order on the command line.
 
+include(CheckCXXCompilerFlag)
 include(optional_part)
 
 function(irt_add_queue name header class)
@@ -93,24 +96,55 @@ function(irt_library target header)
   endif()
 endfunction()
 
-function(irt_for_each_queue template out_var)
-  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "" "QUEUES")
-  if(NOT ARG_QUEUES)
-    get_property(ARG_QUEUES GLOBAL PROPERTY IRT_QUEUES)
-  endif()
-  cmake_path(GET template STEM LAST_ONLY suffix)  # `entry.cpp` of `entry.cpp.in`
+function(irt_queue_source template queue out_var)
+  cmake_path(GET template STEM LAST_ONLY suffix)  # `plugin.cpp` of `plugin.cpp.in`
+  set(QUEUE_NAME ${queue})
+  get_property(QUEUE_HEADER GLOBAL PROPERTY IRT_QUEUE_HEADER_${queue})
+  get_property(QUEUE_CLASS GLOBAL PROPERTY IRT_QUEUE_CLASS_${queue})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${queue}_${suffix})
+  configure_file(${template} ${source} @ONLY)
   get_property(third_party GLOBAL PROPERTY IRT_THIRD_PARTY_QUEUES)
-  set(sources ${${out_var}})
-  foreach(QUEUE_NAME IN LISTS ARG_QUEUES)
-    get_property(QUEUE_HEADER GLOBAL PROPERTY IRT_QUEUE_HEADER_${QUEUE_NAME})
-    get_property(QUEUE_CLASS GLOBAL PROPERTY IRT_QUEUE_CLASS_${QUEUE_NAME})
-    string(REPLACE "-" "_" QUEUE_IDENTIFIER ${QUEUE_NAME})
-    set(source ${CMAKE_CURRENT_BINARY_DIR}/${QUEUE_IDENTIFIER}_${suffix})
-    configure_file(${template} ${source} @ONLY)
-    if(QUEUE_NAME IN_LIST third_party)
-      set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS NDEBUG)
+  if(queue IN_LIST third_party)
+    set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS NDEBUG)
+  endif()
+  set(${out_var} ${source} PARENT_SCOPE)
+endfunction()
+
+set_property(GLOBAL PROPERTY IRT_QUEUE_MODULES ${PROJECT_BINARY_DIR}/queues/modules)
+add_custom_target(irt-queues)
+
+# irt_note_module(<target> <file>): the target builds that file of the folder.
+function(irt_note_module target file)
+  set_property(GLOBAL APPEND_STRING PROPERTY IRT_QUEUE_MODULE_LIST "${file}\n")
+  add_dependencies(irt-queues ${target})
+endfunction()
+
+function(irt_list_modules)
+  get_property(folder GLOBAL PROPERTY IRT_QUEUE_MODULES)
+  get_property(list GLOBAL PROPERTY IRT_QUEUE_MODULE_LIST)
+  file(CONFIGURE OUTPUT ${folder}/list.txt CONTENT "${list}")
+endfunction()
+
+# A shared object reaches its thread-locals as fast as a program does.
+check_cxx_compiler_flag(-mtls-dialect=gnu2 IRT_HAS_TLS_DESCRIPTORS)
+
+function(irt_queue_modules kind template)
+  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "" "LINK")
+  get_property(queues GLOBAL PROPERTY IRT_QUEUES)
+  get_property(folder GLOBAL PROPERTY IRT_QUEUE_MODULES)
+  foreach(queue IN LISTS queues)
+    irt_queue_source(${template} ${queue} source)
+    set(target irt_${kind}_${queue})
+    set(name ${queue}.${kind})
+    if(kind STREQUAL plugin)
+      set(name ${queue})
     endif()
-    list(APPEND sources ${source})
+    add_library(${target} MODULE ${source})
+    set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}
+      LIBRARY_OUTPUT_DIRECTORY ${folder} CXX_VISIBILITY_PRESET hidden)
+    target_link_libraries(${target} PRIVATE irt_queue_${queue} ${ARG_LINK})
+    target_compile_options(${target} PRIVATE
+      $<$<BOOL:${IRT_HAS_TLS_DESCRIPTORS}>:-mtls-dialect=gnu2>)
+    irt_note_module(${target} ${name}.so)
   endforeach()
-  set(${out_var} ${sources} PARENT_SCOPE)
 endfunction()

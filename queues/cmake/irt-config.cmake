@@ -4,6 +4,9 @@ include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 include(${CMAKE_CURRENT_LIST_DIR}/irt-targets.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/IrtPlugin.cmake)
+if(EXISTS ${CMAKE_CURRENT_LIST_DIR}/micro.cpp.in)
+  find_package(benchmark QUIET)
+endif()
 
 # Installed side by side: PREFIX/share/cmake/irt, PREFIX/include/irt, PREFIX/lib.../irt.
 get_filename_component(irt_prefix ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)

@@ -36,6 +36,9 @@ class SerialisedQueue final : public AnyWorkQueue<void*> {
     return queue_->pop(worker, task);
   }
 
+  // Says nothing about others: it may come while they push and pop.
+  void leave(unsigned worker) override { queue_->leave(worker); }
+
  private:
   std::unique_ptr<AnyWorkQueue<void*>> queue_;
   bool lock_pushes_, lock_pops_;

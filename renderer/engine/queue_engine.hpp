@@ -94,6 +94,7 @@ void QueueEngine<Queue, measured, traced>::thread_main(Worker& me, unsigned inde
   if (!shared_.options.pin || !pin_this_thread(index)) ++unpinned_;
   gate_.wait(0);
   if (gate_ < 0) return;
+  const ActsFor leaves(*shared_.queue, index);
   barrier_.arrive_and_wait();
   while (true) {
     barrier_.arrive_and_wait();  // a new frame starts
@@ -154,6 +155,7 @@ void QueueEngine<Queue, measured, traced>::collect(FrameStats& frame, Clock::tim
     shared_.frame_begin = finished;
     shared_.leaves_when_empty = true;
     for (auto& worker : workers_) worker->work();
+    leave_all(*shared_.queue, static_cast<unsigned>(workers_.size()));
   }
   frame.lost = tasks_in_use();
   forgotten_ += frame.lost;

@@ -27,7 +27,7 @@ std::vector<std::string> wrapped(std::string text, std::size_t room) {
     const std::size_t space = text.rfind(' ', room);
     const bool fits = space != std::string::npos && space > indent.size();
     lines.push_back(text.substr(0, fits ? space : room));
-    text = indent + text.substr(fits ? space + 1 : room);
+    text.replace(0, fits ? space + 1 : room, indent);
   }
   lines.push_back(text);
   return lines;

@@ -19,6 +19,7 @@
 #include "stress/checker/verdict.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
+#include "stress/running/queue_options.hpp"
 #include "stress/running/shard.hpp"
 #include "stress/running/usage_error.hpp"
 #include "stress/virtual_cores/queue_modules.hpp"
@@ -240,9 +241,7 @@ int run(const CommandLine& line) {
           "queue (C) before anybody waits",
           text));
   }
-  std::string command = "irt check";
-  for (const std::string& plugin : line.plugins) command += " --plugin " + plugin;
-  command += " --queue " + std::string(entry.name);
+  std::string command = "irt check" + irt::queue_options(entry.name, line.plugins);
   if (line.queue.empty()) command = "irt check --module " + line.module;
   if (settings.capacity != checker::CheckSettings{}.capacity)
     command += fmt::format(" --capacity {}", settings.capacity);

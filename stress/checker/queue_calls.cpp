@@ -35,9 +35,11 @@ stress::Kind kind_of(const QueueCall& o) {
              : o.timed_out ? Answered::timed_out
                            : Answered::empty;
     case Kind::close:
+      return Answered::close;
+    case Kind::leave:
       break;
   }
-  return Answered::close;
+  return Answered::leave;
 }
 
 stress::Calls calls_of(const std::vector<QueueCall>& operations) {
@@ -199,9 +201,11 @@ std::string name_of(const QueueCall& o) {
     case Kind::pop:
       return o.waits ? "pop_wait" : "pop";
     case Kind::close:
+      return "close";
+    case Kind::leave:
       break;
   }
-  return "close";
+  return "leave";
 }
 
 std::string answer_of(const QueueCall& o) {

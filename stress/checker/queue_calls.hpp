@@ -18,7 +18,7 @@ namespace irt::checker {
 
 /// One call of a queue.
 struct QueueCall {
-  enum class Kind : std::uint8_t { push, pop, close } kind = Kind::push;
+  enum class Kind : std::uint8_t { push, pop, close, leave } kind = Kind::push;
   bool waits = false;      ///< a waiting pop
   unsigned thread = 0;     ///< who called; the drain and the prologue are the preparing thread's
   unsigned worker = 0;     ///< on whose behalf
@@ -46,7 +46,7 @@ struct QueueCall {
 /// Whether `a` returns before `b` is called, as far as the code can know or a clock has seen.
 bool precedes(const QueueCall& a, const QueueCall& b);
 
-/// "push 3", "pop", "pop_wait", "close".
+/// "push 3", "pop", "pop_wait", "close", "leave".
 std::string name_of(const QueueCall& operation);
 /// What it answered: "full", "3", "empty", "closed"; empty for what was done.
 std::string answer_of(const QueueCall& operation);

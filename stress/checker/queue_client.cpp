@@ -51,10 +51,14 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     queue_ = program_.age != 0 ? static_cast<AnyWorkQueue<std::uint64_t>*>(program_.aged->made)
                                : entry_.make_word_queue(count, capacity_).release();
     run_letters(shape_.prologue, count);
+    if (entry_.methods.leave) leave_all(*queue_, count);
     phase_ = QueueCall::Phase::during;
   };
   for (unsigned thread = 0; thread < count; ++thread)
-    program_.threads.emplace_back([this, thread] { run_letters(shape_.threads[thread], thread); });
+    program_.threads.emplace_back([this, thread] {
+      run_letters(shape_.threads[thread], thread);
+      if (entry_.methods.leave) leave(thread);
+    });
   program_.finish = [this, count] {
     phase_ = QueueCall::Phase::after;
     const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
@@ -254,6 +258,14 @@ void QueueClient::close(unsigned thread, unsigned worker) {
   const std::size_t number = call(QueueCall::Kind::close, thread, worker);
   finish(number, [&] {
     queue_->close();
+    return true;
+  });
+}
+
+void QueueClient::leave(unsigned thread) {
+  const std::size_t number = call(QueueCall::Kind::leave, thread, thread);
+  finish(number, [&] {
+    queue_->leave(thread);
     return true;
   });
 }

@@ -154,6 +154,7 @@ void ScenarioClient::run(unsigned worker) {
   std::string complaint;
   try {
     scenario_.run(core);
+    if (entry_.methods.leave) core.leave_queue();
     return;
   } catch (const stress::Complaint& broken) {
     complaint = broken.what();
@@ -203,6 +204,7 @@ std::vector<QueueCall> ScenarioClient::operations() const {
     for (std::size_t e = call.entry; e < std::max(end, call.entry + (call.finished ? 0 : 1)); ++e) {
       QueueCall operation{.kind = call.kind == Kind::push    ? QueueCall::Kind::push
                                   : call.kind == Kind::close ? QueueCall::Kind::close
+                                  : call.kind == Kind::leave ? QueueCall::Kind::leave
                                                              : QueueCall::Kind::pop,
                           .thread = call.thread,
                           .worker = call.worker,

@@ -37,6 +37,7 @@ enum class Kind : std::uint8_t {
   closed,     ///< a waiting pop that answered that the queue is closed and empty
   timed_out,  ///< a waiting pop that gave up at its deadline
   close,      ///< the queue was closed
+  leave,      ///< the worker left
   meet,       ///< not an operation: the worker passed a barrier of all workers
 };
 

@@ -257,6 +257,7 @@ class Search {
       case Kind::closed:
       case Kind::timed_out:
       case Kind::close:
+      case Kind::leave:
       case Kind::meet:
         break;
     }

@@ -23,6 +23,8 @@ std::string call(const Operation& operation) {
       return "pop  timed out";
     case Kind::close:
       return "close";
+    case Kind::leave:
+      return "leave";
     case Kind::meet:
       return "meet";
   }

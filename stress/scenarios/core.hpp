@@ -195,6 +195,13 @@ class Core {
     state_.log.push_back({invoked, leave(), 0, Kind::close});
   }
 
+  /// This worker leaves the queue, which is recorded.
+  void leave_queue() {
+    const Stamp invoked = enter(Kind::leave);
+    queue_.leave(state_.worker);
+    state_.log.push_back({invoked, leave(), 0, Kind::leave});
+  }
+
   /// Elements in a call, at most.
   static constexpr std::size_t most_in_bulk = 64;
 

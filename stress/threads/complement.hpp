@@ -76,6 +76,8 @@ class ComplementQueue final : public ElementQueue {
     return count;
   }
 
+  void leave(unsigned worker) override { queue_->leave(worker); }
+
  private:
   template <class Pop>
   bool restored(Element& e, Pop pop) {

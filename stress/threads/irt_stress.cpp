@@ -18,6 +18,7 @@
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
+#include "stress/running/queue_options.hpp"
 #include "stress/running/usage_error.hpp"
 #include "stress/threads/kill_matrix.hpp"
 #include "stress/threads/sanitizer.hpp"
@@ -120,7 +121,7 @@ class Session {
          .evidence = "a pop on a new queue did not return for a second; the contract says that pop "
                      "answers false there, and calls a pop that waits pop_wait, which comes with "
                      "close() (queues/work_queue.hpp)",
-         .repeat = fmt::format("./irt stress --queue {}{}", queue.name, plugin_options())});
+         .repeat = "./irt stress" + queue_options(queue.name, options_.plugins)});
     fmt::print("{}", to_text(result));
     results_.push_back(std::move(result));
   }
@@ -188,17 +189,10 @@ class Session {
     return sum;
   }
 
-  [[nodiscard]] std::string plugin_options() const {
-    std::string text;
-    for (const auto& plugin : options_.plugins)
-      text += fmt::format(" --plugin {}", plugin.string());
-    return text;
-  }
-
   [[nodiscard]] std::string repeat_command(const QueueEntry& queue, const Job& job,
                                            double seconds) const {
-    std::string command = fmt::format("./irt stress --queue {} --suite {}", queue.name, job.suite);
-    command += plugin_options();
+    std::string command = fmt::format("./irt stress{} --suite {}",
+                                      queue_options(queue.name, options_.plugins), job.suite);
     if (job.scenario != nullptr) command += fmt::format(" --scenario {}", job.scenario->name);
     if (sanitizer != Sanitizer::none) command += fmt::format(" --sanitizer {}", sanitizer_name());
     return command +
@@ -269,6 +263,7 @@ int stress_queues(const Options& options) {
   }
   QueueRegistry registry;
   for (const auto& plugin : options.plugins) registry.open(plugin);
+  registry.prepare(options.queues);
   std::vector<const QueueEntry*> queues;
   for (const std::string& name : options.queues) {
     if (name == "all") {

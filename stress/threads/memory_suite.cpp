@@ -69,6 +69,8 @@ class Churn {
       if (!moved && !alone && ++idle % 64 == 0) std::this_thread::yield();
       if (worker == 0 && i % 256 == 0) over_.store(enough(start), std::memory_order_relaxed);
     }
+    const Call call(slots_[worker], Doing::leave);
+    queue.leave(worker);
   }
 
   /// Asked now and then by the first worker.

@@ -44,6 +44,7 @@ void pop_once(const QueueEntry& entry, Messenger& messenger) {
     Element e = 0;
     queue->pop(roles.workers - 1, e);
     answered = true;
+    queue->leave(roles.workers - 1);
     // The slot is kept until somebody has seen the answer.
     while (slot.done == 0) std::this_thread::yield();
   });

@@ -30,10 +30,6 @@ constexpr std::size_t capacity = 64;
 constexpr std::int64_t most_inside = 48;
 constexpr std::uint64_t enough_blocks = 3;
 
-std::string_view name(Doing doing) {
-  return doing == Doing::push ? "push" : "pop";
-}
-
 /// What the suspensions have shown for one method.
 struct MethodVerdict {
   std::uint64_t passed = 0;   ///< suspensions during which a call of it ended
@@ -90,6 +86,8 @@ class ProgressRun {
       } else {
         use(worker);
       }
+      const Call call(slots_[worker], Doing::leave);
+      queue_->leave(worker);
     });
     monitor.join();
     for (const Slot& slot : slots_) verdicts_.operations += slot.done;

@@ -98,10 +98,12 @@ class ScenarioRunner {
       interrupter_.set_active(perturbation.stalls);
       try {
         if (age_ > 0) age(*queue);
+        leave_all(*queue, roles_.workers);
         run_team(*queue, perturbation, seed);
         interrupter_.set_active(false);
         history.emptied = !scenario_.leaves_inside;
         if (scenario_.drains) drain(*queue, history.drain);
+        leave_all(*queue, roles_.workers);
       } catch (const std::exception& error) {
         finding =
             BrokenClaim{.claim = "keeps its contract", .evidence = error.what(), .repeat = {}};
@@ -209,6 +211,7 @@ class ScenarioRunner {
                       seed + worker + 1000 * generation, deadline);
       try {
         scenario_.run(core);
+        if (assignment_.queue.methods.leave) core.leave_queue();
       } catch (...) {
         gate.abandon();
         slots_[worker].doing.store(Doing::nothing, std::memory_order_relaxed);

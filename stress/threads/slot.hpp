@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <string_view>
 #include <sys/types.h>
 
 #include "stress/history/operation.hpp"
@@ -12,7 +13,12 @@
 namespace irt::stress {
 
 /// Which method a thread is in.
-enum class Doing : std::uint8_t { nothing, push, pop };
+enum class Doing : std::uint8_t { nothing, push, pop, leave };
+
+constexpr std::string_view name(Doing doing) {
+  constexpr std::array<std::string_view, 4> names{"nothing", "push", "pop", "leave"};
+  return names.at(static_cast<std::size_t>(doing));
+}
 
 /// In whose code a thread stands.
 enum class Standing : std::uint8_t {

@@ -83,6 +83,7 @@ class Life {
         queue_(assignment.queue.make_word_queue(roles.workers, capacity)) {
     for (Account& account : accounts_) account.first_free.resize(roles.workers);
     fill(first_inside());
+    leave_all(*queue_, roles_.workers);
   }
 
   /// Every worker's part of a phase that lasts until `end`.
@@ -113,11 +114,37 @@ class Life {
         }
       }
     }
+    const Call call(slot, Doing::leave);
+    queue_->leave(worker);
   }
 
   /// While all stand still. Empties the queue, on behalf of everybody who may pop, and compares;
   /// fills it up, and leaves inside what a life starts with.
   std::optional<BrokenClaim> count() {
+    const auto found = count_all();
+    leave_all(*queue_, roles_.workers);
+    return found;
+  }
+
+  /// Whether more came out than went in.
+  [[nodiscard]] bool overdrawn() const {
+    return total(&Account::popped).count > total(&Account::pushed).count;
+  }
+
+  /// What can be said without emptying it.
+  std::optional<BrokenClaim> look() const {
+    for (const Account& account : accounts_) {
+      if (account.invented) return finding("pops only what was pushed", *account.invented);
+      if (account.out_of_order && ordered())
+        return finding("order of elements", *account.out_of_order);
+      if (account.wrongly_full)
+        return BrokenClaim{"never full, for it claims no bound", "a push answered full\n", {}};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::optional<BrokenClaim> count_all() {
     const Sums pushed = total(&Account::pushed);
     const std::uint64_t before = total(&Account::popped).count;
     std::uint64_t left = pushed.count - std::min(before, pushed.count) + 1'000;
@@ -147,24 +174,6 @@ class Life {
     return std::nullopt;
   }
 
-  /// Whether more came out than went in.
-  [[nodiscard]] bool overdrawn() const {
-    return total(&Account::popped).count > total(&Account::pushed).count;
-  }
-
-  /// What can be said without emptying it.
-  std::optional<BrokenClaim> look() const {
-    for (const Account& account : accounts_) {
-      if (account.invented) return finding("pops only what was pushed", *account.invented);
-      if (account.out_of_order && ordered())
-        return finding("order of elements", *account.out_of_order);
-      if (account.wrongly_full)
-        return BrokenClaim{"never full, for it claims no bound", "a push answered full\n", {}};
-    }
-    return std::nullopt;
-  }
-
- private:
   /// How many elements are inside from the beginning.
   [[nodiscard]] std::size_t first_inside() const {
     return traffic_ == Traffic::exchange ? capacity_ / 2 : 0;

@@ -47,7 +47,10 @@ class ThreadCore final : public Core {
   Stamp enter(Kind kind) override {
     disturber_.edge();
     slot_.base.store(__builtin_dwarf_cfa(), std::memory_order_relaxed);  // Core's stack pointer
-    slot_.doing.store(kind == Kind::push ? Doing::push : Doing::pop, std::memory_order_relaxed);
+    slot_.doing.store(kind == Kind::push    ? Doing::push
+                      : kind == Kind::leave ? Doing::leave
+                                            : Doing::pop,
+                      std::memory_order_relaxed);
     return stamp_before();
   }
   Stamp leave() override {

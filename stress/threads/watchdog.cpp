@@ -87,7 +87,7 @@ void Watchdog::report() {
       for (void* address : slot.trace)
         addresses.push_back(reinterpret_cast<std::uint64_t>(address));
     }
-    stacks[fmt::format("thread {} in {}", i, doing == Doing::push ? "push" : "pop")] = addresses;
+    stacks[fmt::format("thread {} in {}", i, name(doing))] = addresses;
   }
   messenger_.hang("does not hang: no operation ended for " +
                       fmt::format("{:.0f} s", std::chrono::duration<double>(patience_).count()),

@@ -62,5 +62,6 @@ asm(".macro pause\n"
 #define IRT_VC_SECOND(...) IRT_VC_SECOND_OF(__VA_ARGS__)
 #define IRT_VC_SECOND_OF(first, second, ...) second
 #define IRT_VC_NO_thread_sanitizer 0, 0
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
 #define IRT_VC_NO___thread_sanitizer__ 0, 0
 #endif

@@ -99,7 +99,7 @@ std::uintptr_t address_of_operand(const ucontext_t& context, const std::uint8_t*
   if (wide)
     std::memcpy(&offset, at, sizeof offset);
   else if (mode == 1)
-    offset = static_cast<std::int8_t>(*at);
+    offset = static_cast<std::int8_t>(*at);  // NOLINT(bugprone-signed-char-misuse): it is signed
   if (relative) address += reinterpret_cast<std::uintptr_t>(at) + sizeof offset;
   return address + static_cast<std::uintptr_t>(std::intptr_t{offset});
 }

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,12 +19,10 @@ namespace irt::virtual_cores {
 /// contract.
 const QueueEntry& queue_of(const Module& module);
 
-/// The modules there are, by the queue's name: of the queues of the tree, and of plug-ins.
+/// The modules there are, by the queue's name: of the queues of the tree, each built when it is
+/// asked for (queues/modules.hpp), and of plug-ins.
 class QueueModules {
  public:
-  /// Those of the tree.
-  QueueModules();
-
   /// Adds the queue NAME of the plug-in `file`, which irt_add_plugin() built as NAME.so: its module
   /// lies beside it as NAME.virtual.so. Throws UsageError where there is none, or the name is
   /// taken.
@@ -31,14 +31,18 @@ class QueueModules {
   /// In the order of the alphabet.
   [[nodiscard]] std::vector<std::string> names() const;
 
-  /// The module of the queue `name`; null if there is none.
-  [[nodiscard]] const std::filesystem::path* find(const std::string& name) const;
+  /// Builds those of `names` that are of the tree, all at once. What is asked for one by one is
+  /// built one after the other.
+  void prepare(std::span<const std::string> names) const;
+
+  /// The module of the queue `name`; nothing if there is none.
+  [[nodiscard]] std::optional<std::filesystem::path> find(const std::string& name) const;
 
   /// The same. Throws UsageError that names the nearest one there is.
-  [[nodiscard]] const std::filesystem::path& at(const std::string& name) const;
+  [[nodiscard]] std::filesystem::path at(const std::string& name) const;
 
  private:
-  std::map<std::string, std::filesystem::path> files_;
+  std::map<std::string, std::filesystem::path> plugins_;
 };
 
 }  // namespace irt::virtual_cores

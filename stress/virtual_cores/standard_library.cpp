@@ -8,13 +8,12 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
-using irt::virtual_cores::active;
 using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 
 #define IRT_PC __builtin_return_address(0)
 
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTBEGIN(bugprone-reserved-identifier,bugprone-sizeof-container,readability-identifier-naming)
 
 // --- Hash tables: when they grow, and to what size --------------------------------------------
 
@@ -96,4 +95,4 @@ IRT_TEXT(St11range_error, range_error)
 IRT_TEXT(St14overflow_error, overflow_error)
 IRT_TEXT(St15underflow_error, underflow_error)
 
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+// NOLINTEND(bugprone-reserved-identifier,bugprone-sizeof-container,readability-identifier-naming)

@@ -79,6 +79,29 @@ changed_source_is_rebuilt() {
   expect_in out changed
 }
 
+queues_are_built_when_asked_for() {
+  local module="$project/build/release/queues/modules/lock.so"
+  cat >>"$project/CMakeLists.txt" <<'P'
+add_library(lock MODULE EXCLUDE_FROM_ALL lock.cpp)
+set_target_properties(lock PROPERTIES PREFIX ""
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/queues/modules)
+P
+  echo 'extern int lock;' >"$project/lock.cpp"
+  sed -i 's/^  char here/  std::printf("front door <%s>\\n", getenv("IRT_FRONT_DOOR"));\n&/; 1i #include <cstdlib>' \
+    "$project/bench/main.cpp"
+  irt list
+  expect_code 0
+  expect_in out " release $project/irt>"
+  [[ ! -e $module ]] || fail "nobody asked for it"
+  irt modules release "$module"
+  expect_code 0
+  [[ -f $module ]] || fail "it was not built"
+  echo 'error here' >>"$project/lock.cpp"
+  irt modules release "$module"
+  expect_code 1
+  expect_in err 'lock.cpp:2:1: error'
+}
+
 new_starts_a_queue_and_overwrites_nothing() {
   cp -r "$top/queues" "$project/queues"
   cd "$work" || exit 1
@@ -212,7 +235,7 @@ outside_queue_of_several_is_named() {
   expect_in err 'no class template Third'
   irt doctor --queue two.hpp:Second
   expect_code 2
-  expect_in err 'doctor: takes no queue from outside the tree; these do: compare'
+  expect_in err 'doctor: takes no queue'
 }
 
 second_start_configures_nothing() {

@@ -150,5 +150,7 @@ void* irt_replay_make(const irt::many_core::ReplayPlan* plan) {
 }
 
 void irt_replay_work(void* shared, unsigned worker) {
-  irt::many_core::ReplayThread(*static_cast<irt::many_core::Replay*>(shared), worker).work();
+  auto& replay = *static_cast<irt::many_core::Replay*>(shared);
+  irt::many_core::ReplayThread(replay, worker).work();
+  replay.plan.queue->leave(worker);
 }

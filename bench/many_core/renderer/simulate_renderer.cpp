@@ -104,6 +104,7 @@ std::vector<Pace> paces(const Arguments& given) {
 
 void settle(Arguments& given, const QueueRegistry& registry) {
   if (given.queues.empty()) given.queues = {"local", "lfree", "lock"};
+  registry.prepare(given.queues);
   for (const std::string& queue : given.queues) {
     if (registry.at(queue).claims.carries_elements) continue;
     throw UsageError(fmt::format(
@@ -117,6 +118,7 @@ void settle(Arguments& given, const QueueRegistry& registry) {
 
 std::vector<std::filesystem::path> modules_of(const std::vector<std::string>& queues,
                                               const virtual_cores::QueueModules& modules) {
+  modules.prepare(queues);
   std::vector<std::filesystem::path> files;
   for (const std::string& queue : queues) files.push_back(modules.at(queue));
   return files;

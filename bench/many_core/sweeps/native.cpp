@@ -50,6 +50,7 @@ std::vector<double> measure_pairs(const QueueEntry& queue, unsigned threads, dou
     for (unsigned worker = 0; worker < threads; ++worker) {
       team.emplace_back([&, worker] {
         bind_to(worker);
+        const ActsFor leaves(*words, worker);
         ++ready;
         while (ready < threads) std::this_thread::yield();
         // relaxed: a hint

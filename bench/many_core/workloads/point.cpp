@@ -139,6 +139,7 @@ class Run {
       ++prefilled_;
       prefilled_sum_ += element;
     }
+    leave_all(*queues_[0], point_.threads);
   }
 
   void act(unsigned thread);
@@ -312,6 +313,8 @@ void Run::act(unsigned thread) {
     return;
   }
   contention::play<Hand>(point_.scenario->program, *queues_.front(), queues_.back(), *this, thread);
+  if (entry_->methods.leave)
+    for (Queue* queue : queues_) queue->leave(thread);
 }
 
 nlohmann::json latency_of(const Tally& tally) {

@@ -8,6 +8,7 @@
 
 #include "bench/many_core/sweeps/children.hpp"
 #include "bench/many_core/workloads/point.hpp"
+#include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::many_core {
 
@@ -39,7 +40,7 @@ inline Point primitive(const std::string& name, unsigned threads, double work_ns
 
 inline Point queue(const std::string& name, std::string_view scenario, unsigned threads) {
   return {.subject = name,
-          .module = std::string(IRT_QUEUE_MODULES) + "/" + name + ".so",
+          .module = virtual_cores::QueueModules().at(name),
           .scenario = contention::find_scenario(scenario),
           .threads = threads,
           .producers = contention::find_scenario(scenario)->roles(threads).producers,

@@ -1,6 +1,6 @@
 # irt-micro as a program: Google Benchmark's filter and JSON, with the conditions in its context.
 set(file ${CMAKE_CURRENT_BINARY_DIR}/micro.json)
-execute_process(COMMAND ${TOOL} --benchmark_filter=^lfree/ --benchmark_min_time=0.001
+execute_process(COMMAND ${TOOL} --queue lfree --benchmark_filter=/ --benchmark_min_time=0.001
   --benchmark_out=${file} OUTPUT_QUIET ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${file} json)
 file(REMOVE ${file})
@@ -26,6 +26,11 @@ foreach(i RANGE ${last})
     endif()
   endif()
 endforeach()
+
+execute_process(COMMAND ${TOOL} --queue lfre RESULT_VARIABLE code ERROR_VARIABLE words)
+if(NOT code EQUAL 2 OR NOT words MATCHES "did you mean 'lfree'")
+  message(FATAL_ERROR "an unknown queue: exit code ${code}, ${words}")
+endif()
 
 execute_process(COMMAND ${TOOL} --benchmark_filtre=x RESULT_VARIABLE code ERROR_QUIET)
 if(NOT code EQUAL 2)

@@ -7,6 +7,7 @@
 #include "tests/stress/cases/element_kinds.hpp"
 #include "tests/stress/cases/endless.hpp"
 #include "tests/stress/cases/failed_growth.hpp"
+#include "tests/stress/cases/handles.hpp"
 #include "tests/stress/cases/healthy.hpp"
 #include "tests/stress/cases/large_frames.hpp"
 #include "tests/stress/cases/library_locks.hpp"
@@ -49,6 +50,9 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::NotifiedTwiceBug>("notified-twice-bug"),
     irt::queue_entry<irt::NotifiedTwiceFixed>("notified-twice-fixed"),
     irt::queue_entry<irt::ClosedInTurn>("closed-in-turn"),
+    irt::queue_entry<irt::TwoAtATime>("two-at-a-time"),
+    irt::queue_entry<irt::TwoAtATimeForgets>("two-at-a-time-forgets-bug"),
+    irt::queue_entry<irt::TwoAtATimeRaces>("two-at-a-time-races-bug"),
     irt::queue_entry<irt::DropsClosedBug>("drops-closed-bug"),
     irt::queue_entry<irt::RefusesTooSoonBug>("refuses-too-soon-bug"),
     irt::queue_entry<irt::WaitsSound>("waits"),

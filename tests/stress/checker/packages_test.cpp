@@ -12,7 +12,7 @@ namespace {
 
 /// The finding on one shape; no kind if there is none.
 std::string finding(const std::string& name, const std::string& shape) {
-  virtual_cores::Module module(IRT_QUEUE_MODULES "/" + name + ".so");
+  virtual_cores::Module module(virtual_cores::QueueModules().at(name));
   const QueueEntry& entry = virtual_cores::queue_of(module);
   QueueClient client(entry, parse_shape(shape), 0, &module);
   const Result result = check(client.program(), {.seconds = 20});
@@ -21,7 +21,7 @@ std::string finding(const std::string& name, const std::string& shape) {
 }
 
 bool installed(const std::string& name) {
-  return std::filesystem::exists(IRT_QUEUE_MODULES "/" + name + ".so");
+  return virtual_cores::QueueModules().find(name).has_value();
 }
 
 TEST(Packages, libcds_moves_its_head_with_too_weak_an_order) {
@@ -39,7 +39,7 @@ TEST(Packages, boost_writes_a_free_list_over_what_others_read) {
   for (const std::string name : {"boost-lockfree", "boost-lockfree-fixed"}) {
     if (!installed(name)) GTEST_SKIP() << "libboost-dev is not installed";
     EXPECT_EQ(finding(name, "E:D|D"), "data race") << name;
-    virtual_cores::Module module(IRT_QUEUE_MODULES "/" + name + ".so");
+    virtual_cores::Module module(virtual_cores::QueueModules().at(name));
     const QueueEntry& entry = virtual_cores::queue_of(module);
     QueueClient client(entry, parse_shape("EE:D|DD"), 0, &module);
     Options options{.seconds = 20};

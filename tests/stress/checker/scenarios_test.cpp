@@ -113,7 +113,7 @@ TEST_F(ScenariosOfMutants, JobsChangeNothing) {
 class ScenariosOfQueues : public testing::TestWithParam<const char*> {};
 
 TEST_P(ScenariosOfQueues, FindNothing) {
-  virtual_cores::Module module(std::string(IRT_QUEUE_MODULES) + "/" + GetParam() + ".so");
+  virtual_cores::Module module(virtual_cores::QueueModules().at(GetParam()));
   const QueueEntry& entry = virtual_cores::queue_of(module);
   std::vector<stress::Scenario> all(stress::scenarios().begin(), stress::scenarios().end());
   all.insert(all.end(), stress::contention_scenarios().begin(),

@@ -11,6 +11,7 @@
 #include "running.hpp"
 #include "stress/mutants/parking.hpp"
 #include "stress/threads/sanitizer.hpp"
+#include "tests/stress/cases/handles.hpp"
 #include "tests/stress/cases/notified_twice.hpp"
 #include "tests/stress/cases/waiting_pops.hpp"
 
@@ -52,6 +53,14 @@ TEST(ScenarioSuite, FindsNarrowCounters) {
   if (sanitizer != Sanitizer::none) return;  // too slow to grow old
   EXPECT_NE(claim_of(run_on(queue_entry<NarrowIndex16Bug>("narrow16"), "spsc", 8)), "nothing");
   EXPECT_EQ(claim_of(run_on(queue_entry<NarrowIndexFixed>("wide"), "spsc", 1)), "nothing");
+}
+
+// What a handle does when its thread leaves belongs to the run.
+TEST(ScenarioSuite, FindsWhatLeavingBreaks) {
+  EXPECT_EQ(claim_of(run_on(queue_entry<TwoAtATimeForgets>("forgets"), "mpmc")),
+            "no element is lost");
+  EXPECT_EQ(claim_of(run_on(queue_entry<TwoAtATime>("gives-back"), "mpmc")), "nothing");
+  EXPECT_EQ(claim_of(run_on(queue_entry<TwoAtATime>("gives-back"), "come-and-go")), "nothing");
 }
 
 TEST(ScenarioSuite, ACrashIsAFindingWithAStack) {

@@ -24,12 +24,12 @@ std::string words(const std::function<void()>& fails) {
 TEST(QueueModules, AreThoseOfTheTree) {
   const QueueModules modules;
   for (const char* name : {"lock", "lfree", "mutex"}) {
-    const auto* file = modules.find(name);
-    ASSERT_NE(file, nullptr) << name;
+    const auto file = modules.find(name);
+    ASSERT_TRUE(file) << name;
     const Module module(*file);
     EXPECT_EQ(queue_of(module).name, name);
   }
-  EXPECT_EQ(modules.find("no-such-queue"), nullptr);
+  EXPECT_FALSE(modules.find("no-such-queue"));
 }
 
 TEST(QueueModules, AndThoseOfPluginsBesideThem) {

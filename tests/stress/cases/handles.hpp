@@ -1,0 +1,79 @@
+/// A list of which a handle takes two elements at a time. What it has left it gives back when its
+/// thread leaves; or forgets, or gives back beside the lock.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string_view>
+
+#include "queues/work_queue.hpp"
+
+namespace irt {
+
+enum class Leaving : std::uint8_t { gives_back, forgets, beside_the_lock };
+
+template <class T, Leaving leaving>
+class TwoAtATime_ {
+ public:
+  static constexpr std::string_view summary = "a list of which a handle takes two at a time";
+  static constexpr Claims claims{.ordering = Ordering::unordered, .empty = Answer::this_worker};
+
+  class Handle {
+   public:
+    explicit Handle(TwoAtATime_& queue) : queue_(queue) {}
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    ~Handle() {
+      if (!kept_ || leaving == Leaving::forgets) return;
+      std::unique_lock lock(queue_.mutex_, std::defer_lock);
+      if (leaving == Leaving::gives_back) lock.lock();
+      queue_.held_.push_front(*kept_);
+    }
+
+   private:
+    friend TwoAtATime_;
+    TwoAtATime_& queue_;
+    std::optional<T> kept_;
+  };
+
+  TwoAtATime_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+
+  bool push(Handle& /*handle*/, T task) {
+    const std::lock_guard lock(mutex_);
+    held_.push_back(task);
+    return true;
+  }
+
+  bool pop(Handle& handle, T& task) {
+    if (handle.kept_) {
+      task = *handle.kept_;
+      handle.kept_.reset();
+      return true;
+    }
+    const std::lock_guard lock(mutex_);
+    if (held_.empty()) return false;
+    task = held_.front();
+    held_.pop_front();
+    if (!held_.empty()) {
+      handle.kept_ = held_.front();
+      held_.pop_front();
+    }
+    return true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<T> held_;
+};
+
+template <class T>
+using TwoAtATime = TwoAtATime_<T, Leaving::gives_back>;
+template <class T>
+using TwoAtATimeForgets = TwoAtATime_<T, Leaving::forgets>;
+template <class T>
+using TwoAtATimeRaces = TwoAtATime_<T, Leaving::beside_the_lock>;
+
+}  // namespace irt
