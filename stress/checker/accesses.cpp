@@ -125,7 +125,7 @@ std::size_t Accesses::choose_place_of_store(Event& event, std::uint32_t location
   const std::size_t last = graph.location(location).stores.size();
   const std::size_t lowest = lowest_readable(graph, event.thread, location) + 1;
   for (std::size_t p = last + 1; p-- > lowest;)
-    if (free_to_place(graph, location, p) && (p == last || graph.allows_place(event, location, p)))
+    if (free_to_place(graph, location, p) && (p == last || graph.allows(event, location, p)))
       places_.push_back(p);
   return places_[state_.strategy->choose_place(state_, event, location, places_)];
 }

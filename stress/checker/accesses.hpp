@@ -180,7 +180,7 @@ std::size_t Accesses::choose_place(const Request& request, Event& event, const P
     mean(request, event, Meaning::load);
     event.settled = decide(value_at(part, *same)) == Meaning::load &&
                     *same >= lowest_readable(graph, event.thread, id) &&
-                    graph.allows_read(event, id, *same, false);
+                    graph.allows(event, id, *same);
     if (event.settled) return *same;
   }
   options_.clear();
@@ -194,7 +194,7 @@ std::size_t Accesses::choose_place(const Request& request, Event& event, const P
     const bool modifies = meaning == Meaning::modify;
     const bool taken = modifies && !free_to_modify(graph, id, p);
     mean(request, event, meaning);
-    if (!taken && verified && p != newest && !graph.allows_read(event, id, p, modifies)) continue;
+    if (!taken && verified && p != newest && !graph.allows(event, id, p)) continue;
     options_.push_back({p, modifies, meaning == Meaning::wait, taken});
   }
   if (state_.strategy->resumes_waiting()) {
@@ -205,8 +205,7 @@ std::size_t Accesses::choose_place(const Request& request, Event& event, const P
     const std::size_t chosen = state_.strategy->choose_read(state_, event, id, options_);
     const ReadOption option = options_[chosen];
     mean(request, event, decide(value_at(part, option.place)));
-    if (verified || option.place == newest ||
-        graph.allows_read(event, id, option.place, option.modifies))
+    if (verified || option.place == newest || graph.allows(event, id, option.place))
       return option.place;
     options_.erase(options_.begin() + static_cast<std::ptrdiff_t>(chosen));
   }

@@ -8,14 +8,14 @@ std::size_t lowest_readable(const Graph& graph, unsigned thread, std::uint32_t i
   const Location& location = graph.location(id);
   const Clock& now = graph.thread(thread).now;
   std::size_t lowest = location.stores.size() - 1;
-  while (lowest > 0 && !graph.happens_before(graph.event(location.stores[lowest]), now)) --lowest;
+  while (lowest > 0 && !happens_before(graph.event(location.stores[lowest]), now)) --lowest;
   if (lowest + 1 == location.stores.size()) return lowest;
   // What a thread read last, of all that happens before, is no older than what it read before that.
   std::uint32_t left = location.readers;
   for (auto read = location.reads.rbegin(); left != 0 && read != location.reads.rend(); ++read) {
     const Event& event = graph.event(*read);
     const std::uint32_t reader = 1U << event.thread;
-    if ((left & reader) == 0 || !graph.happens_before(event, now)) continue;
+    if ((left & reader) == 0 || !happens_before(event, now)) continue;
     left &= ~reader;
     lowest = std::max(lowest, place_of(graph, event.from));
     if (lowest + 1 == location.stores.size()) break;

@@ -262,10 +262,10 @@ void Dpor::revisit(const ExecutionState& state, const Event& store, std::uint32_
       if (!gone[s] && !search.is_store(graph.event(s))) stays.push_back(s);
     const auto lowest_seen = [&](const Clock& past) {
       std::size_t lowest = stays.size() - 1;
-      while (lowest > 0 && !graph.happens_before(graph.event(stays[lowest]), past)) --lowest;
+      while (lowest > 0 && !happens_before(graph.event(stays[lowest]), past)) --lowest;
       for (const EventId other : location.reads) {
         const Event& reader = graph.event(other);
-        if (gone[other] || search.is_store(reader) || !graph.happens_before(reader, past)) continue;
+        if (gone[other] || search.is_store(reader) || !happens_before(reader, past)) continue;
         const auto place = std::find(stays.begin(), stays.end(), reader.from);
         if (place != stays.end())
           lowest = std::max(lowest, static_cast<std::size_t>(place - stays.begin()));

@@ -17,33 +17,26 @@ void Graph::clear() {
   }
 }
 
-EventId Graph::add_initial(std::uint32_t location, Value value) {
+std::uint32_t Graph::add_location(std::uintptr_t address, std::uint32_t size, Value initial) {
+  const auto id = static_cast<std::uint32_t>(location_count_++);
+  if (id == locations_.size()) locations_.emplace_back();
+  locations_[id].address = address;
+  locations_[id].size = size;
+  reset_location(id, initial);
+  return id;
+}
+
+void Graph::reset_location(std::uint32_t id, Value initial) {
   if (count_ == events_.size()) events_.resize(count_ + 256);
   Event& event = events_[count_];
   event = Event{};
   event.kind = EventKind::initial;
   event.writes = true;
-  event.location = location;
-  event.written = value;
-  return static_cast<EventId>(count_++);
-}
-
-std::uint32_t Graph::add_location(std::uintptr_t address, std::uint32_t size, Value initial) {
-  const auto id = static_cast<std::uint32_t>(location_count_++);
-  if (id == locations_.size()) locations_.emplace_back();
-  Location& location = locations_[id];
-  location.address = address;
-  location.size = size;
-  location.reads.clear();
-  location.readers = 0;
-  location.stores.assign(1, add_initial(id, initial));
-  return id;
-}
-
-void Graph::reset_location(std::uint32_t id, Value initial) {
+  event.location = id;
+  event.written = initial;
   locations_[id].reads.clear();
   locations_[id].readers = 0;
-  locations_[id].stores.assign(1, add_initial(id, initial));
+  locations_[id].stores.assign(1, static_cast<EventId>(count_++));
 }
 
 Event& Graph::begin(EventKind kind, unsigned thread, Order order, const void* pc) {
@@ -77,11 +70,14 @@ EventId Graph::find(Ref ref, std::uint32_t location) const {
   return index <= thread.events.size() ? thread.events[index - 1] : no_event;
 }
 
-void Graph::read_from(Event& event, const Event& store) {
+void Graph::read(Event& event, std::uint32_t id, const Event& store) {
+  event.location = id;
   event.reads = true;
   event.from = id_of(store);
   event.read = store.written;
   event.causes.join(store.causes);
+  locations_[id].reads.push_back(static_cast<EventId>(count_));
+  locations_[id].readers |= 1U << event.thread;
   if (event.silent) return;
   if (acquires(event.order))
     event.after.join(store.message);
@@ -89,8 +85,12 @@ void Graph::read_from(Event& event, const Event& store) {
     threads_[event.thread].pending.join(store.message);
 }
 
-void Graph::write(Event& event) {
+void Graph::write(Event& event, std::uint32_t id, std::size_t place, Value value) {
+  event.location = id;
   event.writes = true;
+  event.written = value;
+  std::vector<EventId>& stores = locations_[id].stores;
+  stores.insert(stores.begin() + static_cast<std::ptrdiff_t>(place), static_cast<EventId>(count_));
   if (event.silent) return;
   event.message.join(releases(event.order) ? event.after : threads_[event.thread].released);
 }
@@ -110,34 +110,20 @@ void Graph::complete(Event& event) {
 }
 
 void Graph::finish_load(Event& event, std::uint32_t id, std::size_t place) {
-  event.location = id;
-  read_from(event, events_[locations_[id].stores[place]]);
-  locations_[id].reads.push_back(static_cast<EventId>(count_));
-  locations_[id].readers |= 1U << event.thread;
+  read(event, id, events_[locations_[id].stores[place]]);
   complete(event);
 }
 
 void Graph::finish_store(Event& event, std::uint32_t id, std::size_t place, Value value) {
-  event.location = id;
-  event.written = value;
-  write(event);
-  std::vector<EventId>& stores = locations_[id].stores;
-  stores.insert(stores.begin() + static_cast<std::ptrdiff_t>(place), static_cast<EventId>(count_));
+  write(event, id, place, value);
   complete(event);
 }
 
 void Graph::finish_modify(Event& event, std::uint32_t id, std::size_t place, Value value) {
-  event.location = id;
   const Event& store = events_[locations_[id].stores[place]];
-  read_from(event, store);
-  event.written = value;
+  read(event, id, store);
   event.message = store.message;  // the release sequence goes on
-  write(event);
-  std::vector<EventId>& stores = locations_[id].stores;
-  stores.insert(stores.begin() + static_cast<std::ptrdiff_t>(place) + 1,
-                static_cast<EventId>(count_));
-  locations_[id].reads.push_back(static_cast<EventId>(count_));
-  locations_[id].readers |= 1U << event.thread;
+  write(event, id, place + 1, value);
   complete(event);
 }
 

@@ -77,6 +77,11 @@ struct Event {
   }
 };
 
+/// Whether `event` is in the past that `clock` has.
+inline bool happens_before(const Event& event, const Clock& clock) {
+  return event.kind == EventKind::initial || clock.count[event.thread] >= event.index;
+}
+
 /// An atomic object: an address, a size, its stores in modification order and its reads.
 struct Location {
   std::uintptr_t address = 0;
@@ -124,10 +129,8 @@ class Graph {
   /// Whether a total order of the seq_cst operations exists with `event`, if one exists without it
   /// and nothing that happens after it.
   [[nodiscard]] bool keeps_seq_cst_order(const Event& event) const;
-  /// Whether one exists if `event`, not yet completed, reads (or also writes after) the store at
-  /// `place`.
-  bool allows_read(Event& event, std::uint32_t location, std::size_t place, bool modifies);
-  bool allows_place(Event& event, std::uint32_t location, std::size_t place);
+  /// Whether one exists once `event`, not yet completed, is finished at `place`.
+  bool allows(Event& event, std::uint32_t location, std::size_t place);
 
   /// `thread` goes on to a new moment, so that what it did by now can be told from what follows.
   void tick(unsigned thread) {
@@ -142,9 +145,6 @@ class Graph {
     threads_[event.thread].causes = event.causes;
   }
 
-  [[nodiscard]] bool happens_before(const Event& event, const Clock& clock) const {
-    return event.kind == EventKind::initial || clock.count[event.thread] >= event.index;
-  }
   [[nodiscard]] const Event& event(EventId id) const { return events_[id]; }
   Event& event(EventId id) { return events_[id]; }
   [[nodiscard]] std::size_t size() const { return count_; }
@@ -158,10 +158,8 @@ class Graph {
 
  private:
   void complete(Event& event);
-  bool try_out(Event& event, std::uint32_t location, std::size_t place, bool reads, bool writes);
-  void read_from(Event& event, const Event& store);
-  void write(Event& event);
-  EventId add_initial(std::uint32_t location, Value value);
+  void read(Event& event, std::uint32_t location, const Event& store);
+  void write(Event& event, std::uint32_t location, std::size_t place, Value value);
 
   std::vector<Event> events_;  ///< the first count_ are in use
   std::size_t count_ = 0;

@@ -75,7 +75,7 @@ class Followers {
     const auto& operations = graph_.thread(t).seq_cst;
     const auto& fences = graph_.thread(t).seq_cst_fences;
     const auto end = std::partition_point(fences.begin(), fences.end(), [&](std::uint16_t fence) {
-      return graph_.happens_before(graph_.event(operations[fence]), event.after);
+      return happens_before(graph_.event(operations[fence]), event.after);
     });
     return end == fences.begin() ? 0 : *(end - 1) + std::size_t{1};
   }
@@ -116,7 +116,7 @@ class Followers {
       const std::vector<EventId>& events = graph_.thread(t).events;
       const auto end = events.begin() + static_cast<std::ptrdiff_t>(accesses_[t]);
       const auto next = std::partition_point(events.begin(), end, [&](EventId x) {
-        return !graph_.happens_before(fence, graph_.event(x).after);
+        return !happens_before(fence, graph_.event(x).after);
       });
       accesses_[t] = static_cast<std::size_t>(next - events.begin());
       for (auto x = next; x != end && !closed_; ++x)
@@ -176,7 +176,7 @@ class Followers {
       const auto& operations = graph_.thread(t).seq_cst;
       const auto& fences = graph_.thread(t).seq_cst_fences;
       const auto next = std::partition_point(fences.begin(), fences.end(), [&](std::uint16_t f) {
-        return !graph_.happens_before(event, graph_.event(operations[f]).after);
+        return !happens_before(event, graph_.event(operations[f]).after);
       });
       if (next != fences.end()) reach(t, *next);
     }
@@ -205,13 +205,17 @@ bool Graph::keeps_seq_cst_order(const Event& event) const {
          !Followers(*this, static_cast<unsigned>(threads_.size())).lead_back_to(event);
 }
 
-bool Graph::try_out(Event& event, std::uint32_t id, std::size_t place, bool reads, bool writes) {
+bool Graph::allows(Event& event, std::uint32_t id, std::size_t place) {
+  const bool reads = event.kind != EventKind::store;
+  // What reads the newest store or becomes it comes after everything: nothing that was in order can
+  // be put out of order by it, so only other places need the test.
+  if (seq_cst_ == 0 || place + (reads ? 1 : 0) == locations_[id].stores.size()) return true;
   const Event saved = event;
   ThreadClocks& mine = threads_[event.thread];
   const Clock now = mine.now;
   const Clock causes = mine.causes;
   const Clock pending = mine.pending;
-  if (reads && writes)
+  if (event.kind == EventKind::modify)
     finish_modify(event, id, place, 0);
   else if (reads)
     finish_load(event, id, place);
@@ -229,24 +233,11 @@ bool Graph::try_out(Event& event, std::uint32_t id, std::size_t place, bool read
   }
   Location& location = locations_[id];
   if (reads) location.reads.pop_back();
-  if (writes)
+  if (event.kind != EventKind::load)
     location.stores.erase(location.stores.begin() +
                           static_cast<std::ptrdiff_t>(reads ? place + 1 : place));
   event = saved;
   return allowed;
-}
-
-// What reads the newest store or becomes it comes after everything: nothing that was in order can
-// be put out of order by it, so only other places need the test.
-
-bool Graph::allows_read(Event& event, std::uint32_t id, std::size_t place, bool modifies) {
-  return place + 1 == locations_[id].stores.size() || seq_cst_ == 0 ||
-         try_out(event, id, place, true, modifies);
-}
-
-bool Graph::allows_place(Event& event, std::uint32_t id, std::size_t place) {
-  return place == locations_[id].stores.size() || seq_cst_ == 0 ||
-         try_out(event, id, place, false, true);
 }
 
 }  // namespace irt::checker

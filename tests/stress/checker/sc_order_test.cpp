@@ -66,12 +66,11 @@ class ByDefinition {
     const Event& event = graph_.event(access);
     return node == access ||
            (graph_.event(node).kind == EventKind::fence && event.kind != EventKind::initial &&
-            graph_.happens_before(graph_.event(node), event.after));
+            happens_before(graph_.event(node), event.after));
   }
   bool stands_behind(EventId node, EventId access) const {
-    return node == access ||
-           (graph_.event(node).kind == EventKind::fence &&
-            graph_.happens_before(graph_.event(access), graph_.event(node).after));
+    return node == access || (graph_.event(node).kind == EventKind::fence &&
+                              happens_before(graph_.event(access), graph_.event(node).after));
   }
 
   bool coherence_ordered_before(EventId a, EventId b) const {
@@ -126,13 +125,13 @@ class Grower {
   unsigned below(std::size_t n) { return static_cast<unsigned>(random_() % n); }
 
   /// Asks of each of `places` and completes the event at one of those allowed.
-  template <class Allows, class Finish>
-  void choose(std::vector<std::size_t> places, EventKind kind, unsigned thread, Order order,
-              Allows allows, Finish finish) {
+  template <class Finish>
+  void choose(const std::vector<std::size_t>& places, EventKind kind, unsigned thread,
+              std::uint32_t location, Order order, Finish finish) {
     std::vector<std::size_t> allowed;
     for (const std::size_t place : places) {
       Event& event = graph_.begin(kind, thread, order, nullptr);
-      const bool answer = allows(graph_, event, place);
+      const bool answer = graph_.allows(event, location, place);
       Graph with = graph_;
       finish(with, with.begin(kind, thread, order, nullptr), place);
       const bool right = ByDefinition(with).order_exists();
@@ -152,10 +151,8 @@ class Grower {
     for (std::size_t p = lowest_readable(graph_, thread, location);
          p < graph_.location(location).stores.size(); ++p)
       places.push_back(p);
-    choose(
-        places, EventKind::load, thread, order,
-        [&](Graph& g, Event& e, std::size_t p) { return g.allows_read(e, location, p, false); },
-        [&](Graph& g, Event& e, std::size_t p) { g.finish_load(e, location, p); });
+    choose(places, EventKind::load, thread, location, order,
+           [&](Graph& g, Event& e, std::size_t p) { g.finish_load(e, location, p); });
   }
 
   void modify(unsigned thread, std::uint32_t location, Order order) {
@@ -163,10 +160,8 @@ class Grower {
     for (std::size_t p = lowest_readable(graph_, thread, location);
          p < graph_.location(location).stores.size(); ++p)
       if (free_to_modify(graph_, location, p)) places.push_back(p);
-    choose(
-        places, EventKind::modify, thread, order,
-        [&](Graph& g, Event& e, std::size_t p) { return g.allows_read(e, location, p, true); },
-        [&](Graph& g, Event& e, std::size_t p) { g.finish_modify(e, location, p, 1); });
+    choose(places, EventKind::modify, thread, location, order,
+           [&](Graph& g, Event& e, std::size_t p) { g.finish_modify(e, location, p, 1); });
   }
 
   void store(unsigned thread, std::uint32_t location, Order order) {
@@ -174,10 +169,8 @@ class Grower {
     for (std::size_t p = lowest_readable(graph_, thread, location) + 1;
          p <= graph_.location(location).stores.size(); ++p)
       if (free_to_place(graph_, location, p)) places.push_back(p);
-    choose(
-        places, EventKind::store, thread, order,
-        [&](Graph& g, Event& e, std::size_t p) { return g.allows_place(e, location, p); },
-        [&](Graph& g, Event& e, std::size_t p) { g.finish_store(e, location, p, 1); });
+    choose(places, EventKind::store, thread, location, order,
+           [&](Graph& g, Event& e, std::size_t p) { g.finish_store(e, location, p, 1); });
   }
 
   std::mt19937 random_;
