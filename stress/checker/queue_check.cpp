@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -14,11 +13,11 @@
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/generated_shapes.hpp"
 #include "stress/checker/parking.hpp"
-#include "stress/checker/report.hpp"
 #include "stress/checker/result_bytes.hpp"
 #include "stress/checker/shape_search.hpp"
 #include "stress/checker/verdict.hpp"
 #include "stress/checker/worker_pool.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
 
@@ -51,8 +50,49 @@ bool is_atomic(const std::string& instruction) {
 const symbols::UnseenInstructions& unseen_instructions_of(virtual_cores::Module& module) {
   static std::map<std::pair<std::string, std::uintptr_t>, symbols::UnseenInstructions> known;
   const auto [found, fresh] = known.try_emplace({module.file(), module.load_offset()});
-  if (fresh) found->second = Symbols(module).unseen_instructions();
+  if (fresh) found->second = symbols::Symbols(module).unseen_instructions();
   return found->second;
+}
+
+/// Who waits for an element that there was no memory for would wait for ever.
+bool waits(const std::string& shape) {
+  return shape.find('P') != std::string::npos;
+}
+
+/// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
+std::vector<std::string> shapes_to_stall(const std::vector<std::string>& shapes,
+                                         const Claims& claims) {
+  if (claims.push == Progress::blocking) return {};
+  if (claims.pop == Progress::blocking)
+    return claims.one_producer() ? std::vector<std::string>{} : std::vector<std::string>{"EE|EE"};
+  std::vector<std::string> result;
+  for (const std::string& shape : shapes)
+    if (shape.find_first_of("WFTXPLC") == std::string::npos) result.push_back(shape);
+  return result;
+}
+
+/// What one shape came to, as bytes; empty if there is a finding.
+std::string to_bytes(const std::vector<ShapeResult>& results) {
+  Writer writer;
+  for (const ShapeResult& shape : results) {
+    if (shape.result.finding) return "";
+    writer.put_all(shape.search);
+    writer.put(shape.histories);
+    writer.put_all(checker::to_bytes(shape.result));
+  }
+  return std::move(writer.bytes);
+}
+
+std::vector<ShapeResult> from_bytes(const std::string& bytes, const std::string& shape,
+                                    Origin origin) {
+  std::vector<ShapeResult> results;
+  for (Reader reader{bytes}; reader.at < bytes.size();) {
+    ShapeResult& result = results.emplace_back(ShapeResult{.shape = shape, .origin = origin});
+    result.search = reader.take_all<std::string>();
+    result.histories = reader.take<std::size_t>();
+    result.result = checker::from_bytes(reader.take_all<std::string>());
+  }
+  return results;
 }
 
 /// The checks of one queue, one after the other, until something is found or time is up.
@@ -134,19 +174,12 @@ class QueueCheck {
   /// Queues that are to be aged by 2^32 pairs need the most of the time for that.
   [[nodiscard]] double left(double part) const {
     if (settings_.old && part < until::aged) part *= 0.2;
-    return part * settings_.seconds - elapsed();
+    return part * settings_.seconds -
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-
-  /// Where a stopped thread must not stop the others. If only pushes claim that, a pop may wait.
-  [[nodiscard]] std::vector<std::string> shapes_to_stall() const {
-    if (!settings_.progress || entry_.claims.push == irt::Progress::blocking) return {};
-    if (entry_.claims.pop == irt::Progress::blocking)
-      return entry_.claims.one_producer() ? std::vector<std::string>{}
-                                          : std::vector<std::string>{"EE|EE"};
-    std::vector<std::string> result;
-    for (const std::string& shape : shapes_)
-      if (shape.find_first_of("WFTXPLC") == std::string::npos) result.push_back(shape);
-    return result;
+  /// Of what is left by then, for one of so many searches.
+  [[nodiscard]] double share(double part, std::size_t searches) const {
+    return left(part) / static_cast<double>(searches);
   }
 
   /// Searches each of `shapes` until the part `part` of the time is used up, and returns those
@@ -160,10 +193,10 @@ class QueueCheck {
     }
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
       ShapeResult shape{.shape = shapes[i], .search = label(kind)};
-      const double share = left(part) / static_cast<double>(shapes.size() - i);
-      if (left(until::all) > 0) search(shape, kind, {.seconds = std::min(share, most_seconds_)});
+      const double seconds = share(part, shapes.size() - i);
+      if (left(until::all) > 0) search(shape, kind, {.seconds = std::min(seconds, most_seconds_)});
       if (shape.result.allocates) allocating_.insert(shapes[i]);
-      if (most_seconds_ < share && !shape.result.finished && !shape.result.finding &&
+      if (most_seconds_ < seconds && !shape.result.finished && !shape.result.finding &&
           shape.result.incomplete.empty()) {
         deferred_.push_back(shapes[i]);
         continue;
@@ -189,16 +222,12 @@ class QueueCheck {
     do {
       for (std::size_t i = 0; i < results.size() && !any(); ++i)
         search(results[i], kind,
-               {.seconds = std::min(slice, left(part) / static_cast<double>(results.size() - i)),
-                .seed = seed});
+               {.seconds = std::min(slice, share(part, results.size() - i)), .seed = seed});
       slice *= 2;
       seed += next_seed;
     } while (!any() && left(part) > 0);
-    for (ShapeResult& shape : results) add(std::move(shape));
+    add(std::move(results));
   }
-
-  /// Who waits for an element that there was no memory for would wait for ever.
-  static bool waits(const std::string& shape) { return shape.find('P') != std::string::npos; }
 
   /// One allocation of the threads fails, where they allocate; then the queue is used once more.
   void search_without_memory() {
@@ -212,8 +241,7 @@ class QueueCheck {
       if (settings_.shapes.empty() && used_again.epilogue.empty()) used_again.epilogue = "E";
       ShapeResult shape{.shape = to_string(used_again), .search = poor_search};
       search(shape, Search::exhaustive,
-             {.seconds = left(until::no_memory) / static_cast<double>(shapes.size() - i),
-              .failing_allocations = 1});
+             {.seconds = share(until::no_memory, shapes.size() - i), .failing_allocations = 1});
       add(std::move(shape));
     }
   }
@@ -267,7 +295,7 @@ class QueueCheck {
       if (pool != nullptr) {
         const std::optional<std::string> told = pool->next();
         if (!told) return i;
-        results = from_bytes(*told, shape_at(i), small);
+        results = from_bytes(*told, shape_at(i), small.origin);
       } else if (left(until::all) <= 0) {
         return i;
       }
@@ -275,7 +303,7 @@ class QueueCheck {
       if (results.empty())
         results = search_small(searches_, shape_at(i), small,
                                std::max(seconds_for(i), pool == nullptr ? 0.0 : 2.0));
-      for (ShapeResult& shape : results) add(std::move(shape));
+      add(std::move(results));
     }
     return count;
   }
@@ -297,35 +325,11 @@ class QueueCheck {
         });
   }
 
-  /// Empty if there is a finding.
-  static std::string to_bytes(const std::vector<ShapeResult>& results) {
-    Writer writer;
-    for (const ShapeResult& shape : results) {
-      if (shape.result.finding) return "";
-      writer.put_all(shape.search);
-      writer.put(shape.histories);
-      writer.put_all(checker::to_bytes(shape.result));
-    }
-    return std::move(writer.bytes);
-  }
-
-  static std::vector<ShapeResult> from_bytes(const std::string& bytes, const std::string& text,
-                                             const Small& small) {
-    std::vector<ShapeResult> results;
-    for (Reader reader{bytes}; reader.at < bytes.size();) {
-      ShapeResult shape{.shape = text, .origin = small.origin};
-      shape.search = reader.take_all<std::string>();
-      shape.histories = reader.take<std::size_t>();
-      shape.result = checker::from_bytes(reader.take_all<std::string>());
-      results.push_back(std::move(shape));
-    }
-    return results;
-  }
-
   void stop_threads() {
-    const std::vector<std::string> shapes = shapes_to_stall();
+    if (!settings_.progress) return;
+    const std::vector<std::string> shapes = shapes_to_stall(shapes_, entry_.claims);
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i)
-      add(searches_.stall(shapes[i], left(until::stalls) / static_cast<double>(shapes.size() - i)));
+      add(searches_.stall(shapes[i], share(until::stalls, shapes.size() - i)));
   }
 
   // The first shapes of the battery, with elements that the queue claims to take besides words.
@@ -346,13 +350,11 @@ class QueueCheck {
       for (unsigned failing = 0; failing <= most_failing; ++failing)
         for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
           if (failing != 0 && waits(shapes[i])) continue;
-          const double seconds = left(until::elements) / static_cast<double>(shapes.size() - i);
           const Small small{.origin = Origin::elements,
                             .whole = 2'000,
                             .samples = 200,
                             .failing_allocations = failing};
-          for (ShapeResult& shape : search_small(searches, shapes[i], small, seconds))
-            add(std::move(shape));
+          add(search_small(searches, shapes[i], small, share(until::elements, shapes.size() - i)));
         }
     }
     say_sum(Origin::elements);
@@ -361,10 +363,8 @@ class QueueCheck {
   void search_aged() {
     const std::vector<std::string> shapes = aged_battery(entry_.claims, settings_.old);
     for (std::size_t i = 0; i < shapes.size() && !done(); ++i) {
-      const double seconds = left(until::aged) / static_cast<double>(shapes.size() - i);
       const Small small{.origin = Origin::aged, .whole = 1'000, .samples = 200};
-      for (ShapeResult& shape : search_small(searches_, shapes[i], small, seconds))
-        add(std::move(shape));
+      add(search_small(searches_, shapes[i], small, share(until::aged, shapes.size() - i)));
     }
     say_sum(Origin::aged);
   }
@@ -402,49 +402,18 @@ class QueueCheck {
     return clocked_ && kind == Search::exhaustive ? timed_search : std::string(name_of(kind));
   }
 
-  void search(ShapeResult& shape, Search kind, SearchBounds bounds) {
-    if (shape.search.empty()) shape.search = label(kind);
-    bounds.clocked = clocked_;
-    searches_.search(shape, kind, bounds, [this](ShapeResult found) { add(std::move(found)); });
+  void add(ShapeResult shape) { checker::add(all_, std::move(shape), settings_.quiet); }
+  void add(std::vector<ShapeResult> shapes) {
+    for (ShapeResult& shape : shapes) add(std::move(shape));
   }
-
-  void add(ShapeResult shape) {
-    if (shape.result.differs && !all_.differs) withhold_findings();
-    if (all_.differs) withhold(shape);
-    shape.unproved = all_.unproved;
-    shape.proved = shape.result.finished && !shape.result.finding && searched_whole(shape) &&
-                   shape.unproved.empty();
-    // Of those that are many only what is found has a line.
-    const bool listed = shape.origin == Origin::battery || shape.result.finding;
-    if (!settings_.quiet && listed) say(shape);
-    all_.found = all_.found || shape.result.finding;
-    all_.shapes.push_back(std::move(shape));
-  }
-
-  // Where executions differ, what one of them finds may come from what the others left behind.
-  void withhold_findings() {
-    all_.differs = true;
-    if (all_.unproved.empty()) all_.unproved = "executions differ where all choices are the same";
-    for (ShapeResult& shape : all_.shapes) withhold(shape);
-    all_.found = false;
-  }
-
-  static void withhold(ShapeResult& shape) {
-    shape.proved = false;
-    if (!shape.result.finding) return;
-    shape.result.incomplete =
-        fmt::format("executions differ, by which the {} that was seen may have come about",
-                    checker::name_of(shape.result.finding->kind));
-    shape.result.finding.reset();
-    shape.report.clear();
-  }
-
   void say_sum(Origin origin) const {
     if (!settings_.quiet) say(origin, all_);
   }
 
-  [[nodiscard]] double elapsed() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  void search(ShapeResult& shape, Search kind, SearchBounds bounds) {
+    if (shape.search.empty()) shape.search = label(kind);
+    bounds.clocked = clocked_;
+    searches_.search(shape, kind, bounds, [this](ShapeResult found) { add(std::move(found)); });
   }
 
   const QueueEntry& entry_;
@@ -473,24 +442,6 @@ CheckSettings as_seen(CheckSettings settings, virtual_cores::Module& module) {
 QueueResult check_queue(const QueueEntry& entry, virtual_cores::Module& module,
                         const CheckSettings& settings, const std::string& command) {
   return QueueCheck(entry, module, settings, command).run();
-}
-
-std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
-                   const CheckSettings& settings, const std::string& shape,
-                   const std::string& schedule, const std::string& dot_file) {
-  QueueClient client(entry, parse_shape(shape), settings.capacity, &module,
-                     settings.real_time.value_or(false));
-  Result result;
-  result.schedule = parse_schedule(schedule);
-  const Options options = as_seen(settings, module).options;
-  const auto execution = repeat(client.program(), options, result.schedule);
-  if (execution == nullptr) return "";
-  result.finding = execution->finding();
-  Symbols symbols(module);
-  if (!dot_file.empty()) std::ofstream(dot_file) << dot(*execution, symbols);
-  return fmt::format("{}: {}\n\n", checker::name_of(result.finding->kind),
-                     sentence(*result.finding, symbols)) +
-         picture(*execution, client.operations(), symbols);
 }
 
 }  // namespace irt::checker

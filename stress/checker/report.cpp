@@ -52,6 +52,10 @@ std::string sentence(const Finding& finding, Symbols& symbols) {
   return text;
 }
 
+std::string heading(const Finding& finding, Symbols& symbols) {
+  return std::string(name_of(finding.kind)) + ": " + sentence(finding, symbols) + "\n\n";
+}
+
 std::string contradiction(const QueueCall& answer, const std::vector<QueueCall>& operations) {
   using Kind = QueueCall::Kind;
   const bool refused = answer.kind == Kind::push && answer.closed;

@@ -14,6 +14,8 @@ using symbols::Symbols;
 
 /// The finding's sentence with its places as file:line.
 std::string sentence(const Finding& finding, Symbols& symbols);
+/// Its kind and that, before the rest.
+std::string heading(const Finding& finding, Symbols& symbols);
 
 /// The steps of the execution that `execution` made last, as columns, with the plain accesses,
 /// allocations and frees that its finding speaks of, and the blocks of the heap that are named.

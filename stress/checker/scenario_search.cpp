@@ -61,13 +61,11 @@ class Rounds {
     if (execution == nullptr) return "";
     Symbols symbols(module_);
     if (!dot_file.empty()) std::ofstream(dot_file) << dot(*execution, symbols);
-    const Finding& finding = *execution->finding();
-    return fmt::format(
-        "{}: {}\n\nscenario {}, {}. Element W:N, the N-th of worker W, is the word W * 2^{} + N.\n"
-        "\n{}",
-        checker::name_of(finding.kind), sentence(finding, symbols), scenario_.name,
-        client.description(), stress::sequence_bits,
-        picture(*execution, client.operations(), symbols));
+    return heading(*execution->finding(), symbols) +
+           fmt::format(
+               "scenario {}, {}. Element W:N, the N-th of worker W, is the word W * 2^{} + N.\n\n",
+               scenario_.name, client.description(), stress::sequence_bits) +
+           picture(*execution, client.operations(), symbols);
   }
 
   [[nodiscard]] ScenarioClient client_of(std::uint64_t round) const {

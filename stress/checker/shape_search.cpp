@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <fstream>
 #include <utility>
 
 #include "stress/checker/parts.hpp"
@@ -20,9 +21,7 @@ using Stopwatch = std::chrono::steady_clock;
 std::string report_of(QueueClient& client, const Options& options, const Result& result,
                       virtual_cores::Module& module, const std::string& command) {
   Symbols symbols(module);
-  const Finding& finding = *result.finding;
-  std::string text =
-      fmt::format("{}: {}\n\n", checker::name_of(finding.kind), sentence(finding, symbols));
+  std::string text = heading(*result.finding, symbols);
   const auto execution = repeat(client.program(), options, result.schedule);
   if (execution != nullptr) {
     for (const auto& [thread, place] : execution->allocations().failed_at())
@@ -122,16 +121,15 @@ ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
   const auto start = Stopwatch::now();
   QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
   ShapeResult shape{.shape = text, .search = stalls_search};
-  const ProgressResult stalls =
-      check_progress(client.program(), settings_.options.limits, settings_.options.seed, 6, seconds,
-                     [&](const Execution& execution) {
-                       if (!settings_.reports) return;
-                       Symbols symbols(module_);
-                       shape.report = fmt::format(
-                           "{}: {}\n\n{}", checker::name_of(FindingKind::blocked_by_stalled_thread),
-                           sentence(*execution.finding(), symbols),
-                           picture(execution, client.operations(), symbols));
-                     });
+  const ProgressResult stalls = check_progress(
+      client.program(), settings_.options.limits, settings_.options.seed, 6, seconds,
+      [&](const Execution& execution) {
+        if (!settings_.reports) return;
+        Symbols symbols(module_);
+        Finding finding = *execution.finding();
+        finding.kind = FindingKind::blocked_by_stalled_thread;
+        shape.report = heading(finding, symbols) + picture(execution, client.operations(), symbols);
+      });
   shape.result.executions = stalls.executions;
   shape.result.seconds = std::chrono::duration<double>(Stopwatch::now() - start).count();
   shape.result.finished = stalls.finished;
@@ -149,6 +147,22 @@ ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
         "before its step {}.\n",
         stalls.thread, stalls.stopped + 1);
   return shape;
+}
+
+std::string replay(const QueueEntry& entry, virtual_cores::Module& module,
+                   const CheckSettings& settings, const std::string& shape,
+                   const std::string& schedule, const std::string& dot_file) {
+  QueueClient client(entry, parse_shape(shape), settings.capacity, &module,
+                     settings.real_time.value_or(false));
+  Result result;
+  result.schedule = parse_schedule(schedule);
+  const auto execution =
+      repeat(client.program(), as_seen(settings, module).options, result.schedule);
+  if (execution == nullptr) return "";
+  Symbols symbols(module);
+  if (!dot_file.empty()) std::ofstream(dot_file) << dot(*execution, symbols);
+  return heading(*execution->finding(), symbols) +
+         picture(*execution, client.operations(), symbols);
 }
 
 }  // namespace irt::checker

@@ -86,6 +86,9 @@ void say(std::string_view shape, std::string_view search, const SearchProgress& 
              estimate(now.executions, now.explored));
 }
 
+namespace {
+
+/// The line of one shape and search.
 void say(const ShapeResult& s) {
   const Result& r = s.result;
   std::string verdict = "nothing found" + estimate(r.executions, r.explored);
@@ -103,6 +106,39 @@ void say(const ShapeResult& s) {
   fmt::print("  {:<12} {:<11} {:>9} executions {:>8.3f} s  {:>5} histories  {}{}\n", s.shape,
              s.search, r.executions, r.seconds, s.histories, verdict, exchanges(r));
   std::fflush(stdout);
+}
+
+void withhold(ShapeResult& shape) {
+  shape.proved = false;
+  if (!shape.result.finding) return;
+  shape.result.incomplete =
+      fmt::format("executions differ, by which the {} that was seen may have come about",
+                  checker::name_of(shape.result.finding->kind));
+  shape.result.finding.reset();
+  shape.report.clear();
+}
+
+// Where executions differ, what one of them finds may come from what the others left behind.
+void withhold_findings(QueueResult& all) {
+  all.differs = true;
+  if (all.unproved.empty()) all.unproved = "executions differ where all choices are the same";
+  for (ShapeResult& shape : all.shapes) withhold(shape);
+  all.found = false;
+}
+
+}  // namespace
+
+void add(QueueResult& all, ShapeResult shape, bool quiet) {
+  if (shape.result.differs && !all.differs) withhold_findings(all);
+  if (all.differs) withhold(shape);
+  shape.unproved = all.unproved;
+  shape.proved = shape.result.finished && !shape.result.finding && searched_whole(shape) &&
+                 shape.unproved.empty();
+  // Of those that are many only what is found has a line.
+  const bool listed = shape.origin == Origin::battery || shape.result.finding;
+  if (!quiet && listed) say(shape);
+  all.found = all.found || shape.result.finding;
+  all.shapes.push_back(std::move(shape));
 }
 
 void say(Origin origin, const QueueResult& all) {

@@ -22,8 +22,9 @@ bool searched_whole(const ShapeResult& shape);
 /// How far a search is, on the error output.
 void say(std::string_view shape, std::string_view search, const SearchProgress& now);
 
-/// The line of one shape and search, on the output.
-void say(const ShapeResult& shape);
+/// Adds what came of one shape or, where executions differ, what is left of that; unless `quiet`,
+/// its line goes to the output.
+void add(QueueResult& all, ShapeResult shape, bool quiet);
 
 /// One line for all shapes of an origin, and why some are not proved.
 void say(Origin origin, const QueueResult& result);
