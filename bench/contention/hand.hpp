@@ -71,8 +71,15 @@ class Hand {
 
   /// Pushes and pops until it succeeds, with work after it. To ask whether a push came before the
   /// end takes registers that loops then lack, and loops that go on ask `running`.
-  [[gnu::always_inline]] bool put() { return put(fresh()); }
-  [[gnu::always_inline]] bool put_back() { return put(taken_); }
+  [[gnu::always_inline]] bool put() {
+    push_until_accepted();
+    work();
+    return true;
+  }
+  [[gnu::always_inline]] void put_back() {
+    push_until_accepted(taken_);
+    work();
+  }
   [[gnu::always_inline]] bool take() {
     const bool found = pop_until_found();
     work();
@@ -94,7 +101,7 @@ class Hand {
   /// afar enough not to disturb them. False once the measurement has ended.
   [[gnu::always_inline]] bool consumers_caught_up() {
     if (pushes_ % 64 != 0) return running();
-    while (running() && inside() > seat_.table.backlog) {
+    while (running() && seat_.table.inside() > seat_.table.backlog) {
       counts_.held_back.store(++held_back_, std::memory_order_relaxed);
       busy_wait(seat_.table.pause_steps);
     }
@@ -108,25 +115,17 @@ class Hand {
     return (std::uint64_t{worker_ + 1} << 40) | pushes_;
   }
   [[gnu::always_inline]] bool push(std::uint64_t element) {
-    if constexpr (stamped) {
-      const std::uint64_t begin = stress::stamp_before();
-      const bool accepted = queue_.push(worker_, element);
-      const std::uint64_t end = stress::stamp_after();
-      if (accepted) seat_.push_times.record(end - begin);
-      return pushed(accepted, element);
-    }
+    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
     const bool accepted = queue_.push(worker_, element);
+    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
+    if (stamped && accepted) seat_.push_times.record(end - begin);
     return pushed(accepted, element);
   }
   [[gnu::always_inline]] bool pop(std::uint64_t& element) {
-    if constexpr (stamped) {
-      const std::uint64_t begin = stress::stamp_before();
-      const bool found = queue_.pop(worker_, element);
-      const std::uint64_t end = stress::stamp_after();
-      if (found) seat_.pop_times.record(end - begin);
-      return popped(found, element);
-    }
+    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
     const bool found = queue_.pop(worker_, element);
+    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
+    if (stamped && found) seat_.pop_times.record(end - begin);
     return popped(found, element);
   }
   [[gnu::always_inline]] bool push_until_accepted(std::uint64_t element) {
@@ -134,11 +133,6 @@ class Hand {
       if (push(element)) return true;
     }
     return false;
-  }
-  [[gnu::always_inline]] bool put(std::uint64_t element) {
-    push_until_accepted(element);
-    work();
-    return true;
   }
   [[gnu::always_inline]] bool pushed(bool accepted, std::uint64_t element) {
     if (accepted) {
@@ -157,14 +151,6 @@ class Hand {
       counts_.failed_pops.store(++failed_pops_, std::memory_order_relaxed);
     }
     return found;
-  }
-  [[gnu::always_inline]] std::uint64_t inside() const {
-    std::uint64_t pushes = 0, pops = 0;
-    for (const Counts& one : seat_.table.counts) {
-      pops += one.pops.load(std::memory_order_relaxed);
-      pushes += one.pushes.load(std::memory_order_relaxed);
-    }
-    return pushes > pops ? pushes - pops : 0;
   }
 
   Queue& queue_;

@@ -61,6 +61,16 @@ class Gate {
 struct Table {
   explicit Table(Roles of) : roles(of), counts(of.workers), gate(of.workers) {}
 
+  /// Elements in the queue, by all threads' counts.
+  [[gnu::always_inline, nodiscard]] std::uint64_t inside() const {
+    std::uint64_t pushes = 0, pops = 0;
+    for (const Counts& one : counts) {
+      pops += one.pops.load(std::memory_order_relaxed);
+      pushes += one.pushes.load(std::memory_order_relaxed);
+    }
+    return pushes > pops ? pushes - pops : 0;
+  }
+
   Roles roles;
   std::vector<Counts> counts;  ///< by thread
   std::size_t backlog = 0;     ///< elements inside beyond which producers wait for consumers
