@@ -39,7 +39,7 @@ using irt::virtual_cores::Wake;
 #define IRT_PC __builtin_return_address(0)
 
 [[noreturn]] void refuse(const std::string& what) {
-  irt::virtual_cores::Tenant::refuse("the code " + what + ", which virtual cores do not support");
+  irt::virtual_cores::refuse("the code " + what + ", which virtual cores do not support");
 }
 
 std::size_t whole_pages(std::size_t bytes) {

@@ -171,7 +171,7 @@ void Tenant::failed(const std::string& what, const void* pc) {
   std::abort();
 }
 
-void Tenant::refuse(const std::string& what) {
+void refuse(const std::string& what) {
   std::cout.flush();
   std::cerr << "irt: " << what << "; nothing is said about this code\n";
   std::_Exit(2);

@@ -138,10 +138,11 @@ class Tenant {
   /// return; the default is a failure.
   virtual void spins(const void* pc, bool endless, double seconds);
   [[noreturn]] void failed(const std::string& what, const void* pc);
-  /// The code asks for what virtual cores do not have, which is no fault of its own: says so and
-  /// ends the process with code 2.
-  [[noreturn]] static void refuse(const std::string& what);
 };
+
+/// The code asks for what virtual cores do not have, which is no fault of its own: says so and ends
+/// the process with code 2.
+[[noreturn]] void refuse(const std::string& what);
 
 /// The callee-saved registers at the last atomic operation, as the code had them: with the stack
 /// above `stack_pointer` they are all that a loop can carry from one round to the next.
