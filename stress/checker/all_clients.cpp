@@ -52,7 +52,7 @@ std::vector<Words> with_signals(const Words& threads) {
           words[from].insert(signal, "S");
           words[to].insert(wait, "W");
           Words sorted = words;
-          std::sort(sorted.begin(), sorted.end());
+          std::ranges::sort(sorted);
           if (known.insert(sorted).second) result.push_back(words);
         }
   return result;
@@ -67,7 +67,7 @@ std::vector<std::string> all_clients(const Claims& claims, unsigned calls) {
     if (!allows(claims, shape)) return;
     std::size_t pushes = most_held(shape);
     for (const std::string& thread : threads)
-      pushes += static_cast<std::size_t>(std::count(thread.begin(), thread.end(), 'E'));
+      pushes += static_cast<std::size_t>(std::ranges::count(thread, 'E'));
     const std::size_t largest = claims.bounded ? std::max<std::size_t>(pushes, 1) : 0;
     for (shape.capacity = claims.bounded ? 1 : 0; shape.capacity <= largest; ++shape.capacity)
       for (const char* end : {"", "X"}) {

@@ -59,9 +59,8 @@ void Allocations::release(std::uintptr_t address, const void* pc) {
 }
 
 unsigned Allocations::failed(unsigned thread) const {
-  return static_cast<unsigned>(
-      std::count_if(failed_at_.begin(), failed_at_.end(),
-                    [thread](const auto& failed) { return failed.first == thread; }));
+  return static_cast<unsigned>(std::ranges::count_if(
+      failed_at_, [thread](const auto& failed) { return failed.first == thread; }));
 }
 
 }  // namespace irt::checker

@@ -15,7 +15,7 @@ namespace {
 std::vector<std::uint64_t> wraps(std::uint64_t range, std::size_t capacity) {
   std::vector<std::uint64_t> all{range / 2, range, range * capacity,
                                  range * std::bit_ceil(capacity)};
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
@@ -25,12 +25,11 @@ std::vector<std::uint64_t> wraps(std::uint64_t range, std::size_t capacity) {
 std::vector<std::string> fitting(const std::vector<std::string>& shapes, const Claims& claims,
                                  const Methods& methods) {
   std::vector<std::string> result;
-  std::copy_if(shapes.begin(), shapes.end(), std::back_inserter(result),
-               [&](const std::string& text) {
-                 const Shape shape = parse_shape(text);
-                 return allows(claims, shape) && obstacle(methods, shape).empty() &&
-                        !may_starve(shape, claims) && (claims.bounded || shape.capacity == 0);
-               });
+  std::ranges::copy_if(shapes, std::back_inserter(result), [&](const std::string& text) {
+    const Shape shape = parse_shape(text);
+    return allows(claims, shape) && obstacle(methods, shape).empty() &&
+           !may_starve(shape, claims) && (claims.bounded || shape.capacity == 0);
+  });
   return result;
 }
 
@@ -71,7 +70,7 @@ std::vector<std::string> aged_battery(const Claims& claims, bool old) {
     for (const std::uint64_t range : ranges)
       for (const std::uint64_t wrap : wraps(range, old ? 1 : capacity))
         ages.push_back(wrap - (capacity + 1) / 2);
-    std::sort(ages.begin(), ages.end());
+    std::ranges::sort(ages);
     for (const std::uint64_t age : ages) all.push_back(shape + suffix + "+" + std::to_string(age));
   };
   if (!claims.bounded) {

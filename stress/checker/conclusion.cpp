@@ -11,8 +11,8 @@ void Conclusion::begin() {
 }
 
 bool Conclusion::knows(const Finding& finding) const {
-  return std::any_of(known_.begin(), known_.end(),
-                     [&](const Finding& known) { return same_place(known, finding); });
+  return std::ranges::any_of(known_,
+                             [&](const Finding& known) { return same_place(known, finding); });
 }
 
 void Conclusion::stop(Outcome outcome) {

@@ -29,9 +29,9 @@ void CycleWatch::note_write(std::uintptr_t address, std::size_t size) {
 
 bool CycleWatch::repeats(std::uint64_t state) {
   ++steps_;
-  if (steps_ > 1 && state == mark_ &&
-      std::all_of(at_mark_.begin(), at_mark_.end(),
-                  [](const auto& word) { return word_at(word.first) == word.second; }))
+  if (steps_ > 1 && state == mark_ && std::ranges::all_of(at_mark_, [](const auto& word) {
+        return word_at(word.first) == word.second;
+      }))
     return true;
   if (steps_ == 1 || steps_ > power_) {
     power_ *= 2;

@@ -18,7 +18,7 @@ std::uint64_t masked_word(std::uintptr_t address, std::uint8_t bytes) {
 
 void Diary::clear() {
   for (std::vector<Look>& looks : looks_) looks.clear();
-  std::fill(settled_.begin(), settled_.end(), 0);
+  std::ranges::fill(settled_, 0);
 }
 
 void Diary::note(Look::Kind kind, unsigned thread, std::size_t moment, std::uintptr_t address,

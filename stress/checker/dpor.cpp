@@ -266,7 +266,7 @@ void Dpor::revisit(const ExecutionState& state, const Event& store, std::uint32_
       for (const EventId other : location.reads) {
         const Event& reader = graph.event(other);
         if (gone[other] || search.is_store(reader) || !happens_before(reader, past)) continue;
-        const auto place = std::find(stays.begin(), stays.end(), reader.from);
+        const auto place = std::ranges::find(stays, reader.from);
         if (place != stays.end())
           lowest = std::max(lowest, static_cast<std::size_t>(place - stays.begin()));
       }
@@ -282,7 +282,7 @@ void Dpor::revisit(const ExecutionState& state, const Event& store, std::uint32_
     // Whether equal threads should be those to store after `stays[at]` and to read that.
     const auto forbidden = [&](std::size_t at) {
       const auto place = [&](EventId s) -> std::optional<std::size_t> {
-        const auto found = std::find(stays.begin(), stays.end(), s);
+        const auto found = std::ranges::find(stays, s);
         if (found == stays.end()) return std::nullopt;
         const auto before = static_cast<std::size_t>(found - stays.begin());
         return before > at ? before + 1 : before;
@@ -312,8 +312,7 @@ void Dpor::revisit(const ExecutionState& state, const Event& store, std::uint32_
     if (modifies) {
       const EventId source = location.stores[after];
       const auto place =
-          static_cast<std::size_t>(std::find(stays.begin(), stays.end(), source) - stays.begin()) +
-          1;
+          static_cast<std::size_t>(std::ranges::find(stays, source) - stays.begin()) + 1;
       if (parts_modification(place) || place <= read_floor || forbidden(place - 1)) continue;
       made.from = graph.event(source).ref();
       offer(made);

@@ -22,7 +22,7 @@ std::vector<std::vector<unsigned>> all_exchanges(const std::vector<unsigned>& ro
   std::vector<unsigned> names(roles.size());
   std::iota(names.begin(), names.end(), 0U);
   std::vector<std::vector<unsigned>> result;
-  while (std::next_permutation(names.begin(), names.end())) {
+  while (std::ranges::next_permutation(names).found) {
     bool fits = true;
     for (std::size_t i = 0; i < names.size(); ++i) fits = fits && roles[names[i]] == roles[i];
     if (fits) result.push_back(names);
@@ -127,7 +127,7 @@ bool Bijection::word(ExecutionState& state, std::uintptr_t from, std::uint8_t by
 bool Bijection::look_at_first(ExecutionState& state) {
   Heap& heap = state.heap;
   const std::vector<Unseen> unseen = std::exchange(unseen_, {});
-  return std::all_of(unseen.begin(), unseen.end(), [&](const Unseen& u) {
+  return std::ranges::all_of(unseen, [&](const Unseen& u) {
     if (is_made_up(u.from)) return word(state, u.from, u.bytes, 0, 0);
     const Block* block = heap.find(u.from);
     const bool there =

@@ -30,7 +30,7 @@ void ExecutionState::begin(Strategy& decides) {
   graph.clear();
   heap.clear();
   steps.clear();
-  std::fill(pending.begin(), pending.end(), Pending{});
+  std::ranges::fill(pending, Pending{});
   stores = walk = 0;
   conclusion.begin();
   if (diary != nullptr) diary->clear();
@@ -60,8 +60,8 @@ void ExecutionState::take_down(Look::Kind kind, std::uintptr_t address, std::siz
 }
 
 bool ExecutionState::is_stack(std::uintptr_t address) const {
-  return std::any_of(stacks.begin(), stacks.end(),
-                     [&](std::uintptr_t stack) { return address - stack < stack_bytes; });
+  return std::ranges::any_of(stacks,
+                             [&](std::uintptr_t stack) { return address - stack < stack_bytes; });
 }
 
 bool ExecutionState::is_global(std::uintptr_t address) const {

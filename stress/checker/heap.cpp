@@ -110,9 +110,8 @@ void Heap::free(Block& block, unsigned thread, const void* pc) {
 Block* Heap::find(std::uintptr_t address) {
   if (!owns(address)) return nullptr;
   const std::vector<std::uint32_t>& numbers = regions_[(address - base_) / region_bytes].blocks;
-  const auto after = std::upper_bound(
-      numbers.begin(), numbers.end(), address,
-      [this](std::uintptr_t a, std::uint32_t number) { return a < block(number).address; });
+  const auto after = std::ranges::upper_bound(
+      numbers, address, {}, [this](std::uint32_t number) { return block(number).address; });
   return after == numbers.begin() ? nullptr : &block(*std::prev(after));
 }
 

@@ -28,8 +28,7 @@ void each_pointed_at(Heap& heap, virtual_cores::Range range, Found found) {
 
 const Block* first_lost(Heap& heap, std::span<const virtual_cores::Range> roots) {
   const std::vector<Block>& blocks = heap.blocks();
-  if (std::all_of(blocks.begin(), blocks.end(), [](const Block& b) { return b.freed; }))
-    return nullptr;
+  if (std::ranges::all_of(blocks, &Block::freed)) return nullptr;
   std::vector<bool> kept(blocks.size());
   std::vector<const Block*> open;
   const auto keep = [&](const Block& block) {

@@ -28,13 +28,12 @@ void Loops::begin() {
 }
 
 bool Loops::is_head(const void* pc) const {
-  return std::binary_search(heads_.begin(), heads_.end(), pc);
+  return std::ranges::binary_search(heads_, pc);
 }
 
 Loops::Visit* Loops::find_visit(const void* pc) {
   std::vector<Visit>& visits = mine().visits;
-  const auto visit =
-      std::find_if(visits.begin(), visits.end(), [pc](const Visit& v) { return v.pc == pc; });
+  const auto visit = std::ranges::find(visits, pc, &Visit::pc);
   return visit != visits.end() ? &*visit : nullptr;
 }
 
@@ -61,7 +60,7 @@ void Loops::enter(const void* pc) {
   if (repeats) {
     if (!head && visit->count >= 2 && !settled) {
       // From now on the first visit is hashed too, which shortens every later execution.
-      heads_.insert(std::lower_bound(heads_.begin(), heads_.end(), pc), pc);
+      heads_.insert(std::ranges::lower_bound(heads_, pc), pc);
       state_.conclusion.stop(Outcome::restart);
     }
     certain = head && visit->hash == me.entry_hash;

@@ -23,7 +23,7 @@ std::string samples(const stress::Mutant& mutant, virtual_cores::Module& module,
         try_queue(mutant.queue, shapes_for(mutant, search), module, search, seed, settings.seconds);
     if (trial.found) seconds.push_back(trial.seconds);
   }
-  std::sort(seconds.begin(), seconds.end());
+  std::ranges::sort(seconds);
   const std::string times =
       seconds.empty() ? "" : fmt::format(" {:.2f}", seconds[seconds.size() / 2]);
   return fmt::format("{}/{}{}", seconds.size(), settings.seeds, times);
@@ -50,7 +50,7 @@ nlohmann::json default_search(const stress::Mutant& mutant, virtual_cores::Modul
     note(try_queue(mutant.queue, shapes_for(mutant, {}), module, {}, seed, settings.seconds));
   return {{"runs", settings.seeds},
           {"kills", seconds.size()},
-          {"slowest", seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end())},
+          {"slowest", seconds.empty() ? 0 : *std::ranges::max_element(seconds)},
           {"times", seconds},
           {"claim", first.found ? name_of(*first.found) : ""},
           {"twin_accused", twin.found ? evidence(twin) : ""}};
@@ -102,7 +102,7 @@ Trial try_queue(const QueueEntry& queue, const std::vector<std::string>& shapes,
 bool kill_matrix(virtual_cores::Module& module, const KillSettings& settings) {
   const std::vector<stress::Mutant> mutants = mutants_of(module);
   for (const std::string& id : settings.ids)
-    if (std::none_of(mutants.begin(), mutants.end(), [&](const auto& m) { return m.id == id; }))
+    if (std::ranges::none_of(mutants, [&](const auto& m) { return m.id == id; }))
       throw std::invalid_argument(fmt::format("--mutant \"{}\": there is none of that id", id));
   if (settings.default_only)
     fmt::print("{:<11} {:>9}  {:<14} {}\n", "mutant", "default", "twin", "found as");
@@ -112,8 +112,7 @@ bool kill_matrix(virtual_cores::Module& module, const KillSettings& settings) {
   nlohmann::json cells;
   bool good = true;
   for (const stress::Mutant& mutant : mutants) {
-    if (!settings.ids.empty() &&
-        std::find(settings.ids.begin(), settings.ids.end(), mutant.id) == settings.ids.end())
+    if (!settings.ids.empty() && std::ranges::find(settings.ids, mutant.id) == settings.ids.end())
       continue;
     const auto once = [&](const QueueEntry& queue, std::optional<Search> search) {
       return try_queue(queue, shapes_for(mutant, search), module, search, 1, settings.seconds);

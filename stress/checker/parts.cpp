@@ -105,8 +105,7 @@ class Parts {
   }
 
   Result results() {
-    while (std::any_of(parts_.begin(), parts_.end(),
-                       [](const Part& p) { return p.child.line() >= 0; })) {
+    while (std::ranges::any_of(parts_, [](const Part& p) { return p.child.line() >= 0; })) {
       listen();
       tell();
     }
@@ -198,7 +197,7 @@ class Parts {
       sum.exchanged.histories = std::max(sum.exchanged.histories, part.exchanged.histories);
       sum.exchanged.executions += part.exchanged.executions;
       for (const OrderSite& site : part.order_sites)
-        if (std::none_of(sum.order_sites.begin(), sum.order_sites.end(), [&site](const auto& s) {
+        if (std::ranges::none_of(sum.order_sites, [&site](const auto& s) {
               return s.pc == site.pc && s.failure == site.failure;
             }))
           sum.order_sites.push_back(site);
@@ -211,7 +210,7 @@ class Parts {
       sum.finished = sum.finished && part.finished;
       sum.explored += part.explored / static_cast<double>(parts_.size());
     }
-    std::sort(sum.histories.begin(), sum.histories.end());
+    std::ranges::sort(sum.histories);
     sum.histories.erase(std::unique(sum.histories.begin(), sum.histories.end()),
                         sum.histories.end());
     sum.seconds = seconds();

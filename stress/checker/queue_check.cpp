@@ -124,8 +124,7 @@ class QueueCheck {
           unseen.stores, unseen.stores == 1 ? "" : "s");
     else if (!all_.unseen_instructions.empty())
       all_.unproved = "not all that it does to memory is seen";
-    const auto hidden =
-        std::find_if(all_.unseen_instructions.begin(), all_.unseen_instructions.end(), is_atomic);
+    const auto hidden = std::ranges::find_if(all_.unseen_instructions, is_atomic);
     if (hidden != all_.unseen_instructions.end()) {
       all_.refused = "its atomic operations are assembly, which nothing announces (" + *hidden +
                      "): whatever was found might not be its own";
@@ -217,7 +216,7 @@ class QueueCheck {
     constexpr std::uint64_t next_seed = 1'000'003;  // a round begins where no other one does
     std::uint64_t seed = settings_.options.seed;
     const auto found = [](const ShapeResult& s) { return s.result.finding.has_value(); };
-    const auto any = [&] { return std::any_of(results.begin(), results.end(), found); };
+    const auto any = [&] { return std::ranges::any_of(results, found); };
     double slice = 0.01;
     do {
       for (std::size_t i = 0; i < results.size() && !any(); ++i)

@@ -53,7 +53,7 @@ bool PriorityChanges::begin() {
 unsigned PriorityChanges::choose_thread(ExecutionState&, std::uint32_t runnable, unsigned) {
   ++step_;
   const unsigned best = highest(priority_, runnable);
-  const auto change = std::find(changes_.begin(), changes_.end(), step_);
+  const auto change = std::ranges::find(changes_, step_);
   if (change == changes_.end()) return best;
   priority_[best] = static_cast<std::uint64_t>(change - changes_.begin());
   return highest(priority_, runnable);

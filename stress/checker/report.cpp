@@ -62,7 +62,7 @@ std::string contradiction(const QueueCall& answer, const std::vector<QueueCall>&
   if (!answer.finished || answer.answered || answer.no_memory || answer.untried || refused)
     return "";
   const auto left_by = [&](const QueueCall& push, auto when) {
-    return std::any_of(operations.begin(), operations.end(), [&](const QueueCall& o) {
+    return std::ranges::any_of(operations, [&](const QueueCall& o) {
       return o.kind == Kind::pop && (!o.finished || (o.answered && o.value == push.value)) &&
              when(o);
     });

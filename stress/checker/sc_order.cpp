@@ -74,7 +74,7 @@ class Followers {
   [[nodiscard]] std::size_t fences_before(const Event& event, unsigned t) const {
     const auto& operations = graph_.thread(t).seq_cst;
     const auto& fences = graph_.thread(t).seq_cst_fences;
-    const auto end = std::partition_point(fences.begin(), fences.end(), [&](std::uint16_t fence) {
+    const auto end = std::ranges::partition_point(fences, [&](std::uint16_t fence) {
       return happens_before(graph_.event(operations[fence]), event.after);
     });
     return end == fences.begin() ? 0 : *(end - 1) + std::size_t{1};
@@ -109,7 +109,7 @@ class Followers {
   /// What the first fence in `range` happens before goes for those behind it, too.
   void from_fences(const Range& range) {
     const std::vector<std::uint16_t>& fences = graph_.thread(range.thread).seq_cst_fences;
-    const auto found = std::lower_bound(fences.begin(), fences.end(), range.begin);
+    const auto found = std::ranges::lower_bound(fences, range.begin);
     if (found == fences.end() || *found >= range.end) return;
     const Event& fence = graph_.event(graph_.thread(range.thread).seq_cst[*found]);
     for (unsigned t = 0; t < threads_; ++t) {
@@ -175,7 +175,7 @@ class Followers {
     for (unsigned t = 0; t < threads_; ++t) {
       const auto& operations = graph_.thread(t).seq_cst;
       const auto& fences = graph_.thread(t).seq_cst_fences;
-      const auto next = std::partition_point(fences.begin(), fences.end(), [&](std::uint16_t f) {
+      const auto next = std::ranges::partition_point(fences, [&](std::uint16_t f) {
         return !happens_before(event, graph_.event(operations[f]).after);
       });
       if (next != fences.end()) reach(t, *next);

@@ -223,7 +223,7 @@ std::size_t pushes_of(const Shape& shape) {
 
 bool closes_for_certain(const Shape& shape) {
   return shape.prologue.find('C') != std::string::npos ||
-         std::any_of(shape.threads.begin(), shape.threads.end(), [](const std::string& thread) {
+         std::ranges::any_of(shape.threads, [](const std::string& thread) {
            return for_certain(thread).find('C') != std::string_view::npos;
          });
 }
@@ -257,7 +257,7 @@ std::size_t most_held(const Shape& shape) {
 
 std::size_t calls_of(const Shape& shape) {
   const auto calls = [](const std::string& word) {
-    return static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char step) {
+    return static_cast<std::size_t>(std::ranges::count_if(word, [](char step) {
       return std::string_view("SWX").find(step) == std::string_view::npos;
     }));
   };
@@ -272,9 +272,9 @@ bool allows(const Claims& claims, const Shape& shape) {
   // another thread act for it then.
   const auto handed_over = [&shape](std::string_view letters, const std::string& first,
                                     const std::string& second) {
-    const auto signalling = std::count_if(
-        shape.threads.begin(), shape.threads.end(),
-        [](const std::string& thread) { return thread.find('S') != std::string::npos; });
+    const auto signalling = std::ranges::count_if(shape.threads, [](const std::string& thread) {
+      return thread.find('S') != std::string::npos;
+    });
     const auto signal = first.find('S');
     const auto wait = second.find('W');
     return signalling == 1 && signal != std::string::npos && wait != std::string::npos &&

@@ -35,7 +35,7 @@ unsigned Strategy::choose_thread(ExecutionState&, std::uint32_t runnable, unsign
 std::size_t Strategy::choose_read(ExecutionState&, Event&, std::uint32_t,
                                   std::span<const ReadOption> options) {
   const auto open = static_cast<std::uint32_t>(
-      std::count_if(options.begin(), options.end(), [](const ReadOption& o) { return !o.taken; }));
+      std::ranges::count_if(options, [](const ReadOption& o) { return !o.taken; }));
   std::uint32_t choice = open == 1 ? 0 : choose(ChoiceKind::read, open);
   for (std::size_t i = 0;; ++i)
     if (!options[i].taken && choice-- == 0) return i;

@@ -37,7 +37,7 @@ bool is_own(const Graph& graph, const Heap& heap, std::uint32_t location, unsign
 
 Symmetry::Symmetry(std::vector<unsigned> roles) : roles_(std::move(roles)) {
   for (std::size_t i = 0; i < roles_.size(); ++i)
-    any_ = any_ || std::count(roles_.begin(), roles_.end(), roles_[i]) > 1;
+    any_ = any_ || std::ranges::count(roles_, roles_[i]) > 1;
 }
 
 void Symmetry::begin() {

@@ -7,7 +7,7 @@ namespace irt::checker {
 using virtual_cores::host;
 
 void Turns::begin() {
-  std::fill(all_.begin(), all_.end(), Thread{});
+  std::ranges::fill(all_, Thread{});
   froze_ = false;
 }
 
