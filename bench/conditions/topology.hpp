@@ -25,7 +25,7 @@ struct Topology {
   bool mixed_cores = false;      ///< fast and slow cores side by side
   std::vector<CacheLevel> caches;
 
-  bool smt() const { return hardware_threads > cores; }
+  [[nodiscard]] bool smt() const { return hardware_threads > cores; }
 };
 
 /// Asks hwloc. Throws std::runtime_error where it cannot read the machine.

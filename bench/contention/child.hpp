@@ -32,7 +32,7 @@ class MeasuringChild {
   void let_go() const { process_.go_on(); }
 
  private:
-  double patience() const;
+  [[nodiscard]] double patience() const;
 
   Job job_;
   ChildProcess process_;

@@ -28,7 +28,9 @@ class Hand {
     seat_.out += out_;
   }
 
-  [[gnu::always_inline]] bool running() const { return !stop_.load(std::memory_order_relaxed); }
+  [[nodiscard, gnu::always_inline]] bool running() const {
+    return !stop_.load(std::memory_order_relaxed);
+  }
 
   /// One try each, with a fresh element; the element with a tag.
   [[gnu::always_inline]] bool push() { return push(fresh()); }
@@ -92,7 +94,9 @@ class Hand {
   [[gnu::always_inline]] std::uint64_t random(std::uint64_t bound) {
     return seat_.random.below(bound);
   }
-  [[gnu::always_inline]] bool produces() const { return seat_.table.roles.pushes(worker_); }
+  [[nodiscard, gnu::always_inline]] bool produces() const {
+    return seat_.table.roles.pushes(worker_);
+  }
   [[gnu::always_inline]] bool meet() { return seat_.table.gate.pass(stop_); }
   static constexpr Burst burst() { return {}; }
 
@@ -111,7 +115,7 @@ class Hand {
 
  private:
   /// An element that no other push of the measurement brings.
-  [[gnu::always_inline]] std::uint64_t fresh() const {
+  [[nodiscard, gnu::always_inline]] std::uint64_t fresh() const {
     return (std::uint64_t{worker_ + 1} << 40) | pushes_;
   }
   [[gnu::always_inline]] bool push(std::uint64_t element) {

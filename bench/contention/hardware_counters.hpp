@@ -31,13 +31,13 @@ class HardwareCounters {
   ~HardwareCounters();
 
   /// Why there is nothing to read; empty where there is.
-  const std::string& missing() const { return missing_; }
+  [[nodiscard]] const std::string& missing() const { return missing_; }
   void start();
   void stop();
   /// By name, between all pairs of `start()` and `stop()`; null where nothing can be read. Where
   /// the processor has fewer counters than there are events, each is scaled up by the share of time
   /// it was counted.
-  nlohmann::json read() const;
+  [[nodiscard]] nlohmann::json read() const;
 
  private:
   struct Reading {

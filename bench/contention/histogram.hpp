@@ -28,18 +28,18 @@ class Histogram : public LogBuckets<7> {
     largest_ = std::max(largest_, other.largest_);
   }
 
-  std::uint64_t count() const {
+  [[nodiscard]] std::uint64_t count() const {
     std::uint64_t sum = 0;
     for (const std::uint64_t count : counts_) sum += count;
     return sum;
   }
 
   /// The largest value, exactly.
-  std::uint64_t max() const { return largest_; }
+  [[nodiscard]] std::uint64_t max() const { return largest_; }
 
   /// The value that a share `q` (in [0, 1]) of all does not exceed: the upper end of its bucket,
   /// never above `max()`. 0 where nothing was recorded.
-  std::uint64_t quantile(double q) const {
+  [[nodiscard]] std::uint64_t quantile(double q) const {
     const std::uint64_t all = count();
     const auto wanted = static_cast<std::uint64_t>(q * static_cast<double>(all) + 0.999999);
     const std::uint64_t rank =
@@ -53,7 +53,7 @@ class Histogram : public LogBuckets<7> {
   }
 
   /// The buckets that are not empty, by index, for a file; `add` takes them back.
-  std::vector<std::pair<std::size_t, std::uint64_t>> buckets() const {
+  [[nodiscard]] std::vector<std::pair<std::size_t, std::uint64_t>> buckets() const {
     std::vector<std::pair<std::size_t, std::uint64_t>> filled;
     for (std::size_t i = 0; i < counts_.size(); ++i) {
       if (counts_[i] != 0) filled.emplace_back(i, counts_[i]);

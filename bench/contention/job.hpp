@@ -90,7 +90,7 @@ struct Sample {
   AtomicEvents events;               ///< of a counted pass, warm-up included, as are
   std::uint64_t all_operations = 0;  ///< these: pushes and pops that succeeded
 
-  std::uint64_t operations() const { return pushes + pops; }
+  [[nodiscard]] std::uint64_t operations() const { return pushes + pops; }
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, status, message, seconds, pushes, pops, failed_pushes,
                                    failed_pops, held_back, fairness, cpu_seconds, steady, variation,

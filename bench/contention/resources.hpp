@@ -24,11 +24,11 @@ class MemoryUse {
   /// From here on. Where the kernel lets a process forget its earlier peak, it is forgotten.
   MemoryUse();
   /// The most that was resident, above what was at construction.
-  std::uint64_t peak_bytes() const;
+  [[nodiscard]] std::uint64_t peak_bytes() const;
   /// What the C library's allocator has given out since construction and not got back, by its own
   /// books (mallinfo2(3)). What a queue maps by itself is not in them; nothing where another
   /// allocator (LD_PRELOAD, a sanitizer's) has taken its place.
-  std::optional<std::uint64_t> held_bytes() const;
+  [[nodiscard]] std::optional<std::uint64_t> held_bytes() const;
 
  private:
   std::uint64_t resident_before_ = 0;
@@ -41,10 +41,10 @@ class EnergyMeter {
   explicit EnergyMeter(const std::filesystem::path& root = "/sys/class/powercap");
 
   /// Why there is nothing to read; empty where there is.
-  const std::string& missing() const { return missing_; }
+  [[nodiscard]] const std::string& missing() const { return missing_; }
   void start();
   /// Joules of all packages since `start()`; the counters may have wrapped around once.
-  std::optional<double> joules() const;
+  [[nodiscard]] std::optional<double> joules() const;
 
  private:
   struct Package {

@@ -20,8 +20,10 @@ struct Chosen {
   const Scenario* scenario = nullptr;
   std::optional<Roles> fixed;  ///< of "3x1"
 
-  std::string name() const;
-  Roles roles(unsigned threads) const { return fixed ? *fixed : scenario->roles(threads); }
+  [[nodiscard]] std::string name() const;
+  [[nodiscard]] Roles roles(unsigned threads) const {
+    return fixed ? *fixed : scenario->roles(threads);
+  }
 };
 
 /// Throws UsageError for an unknown name, with the nearest, and for an NxM out of range.

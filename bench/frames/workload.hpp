@@ -102,7 +102,7 @@ struct Motion {
   double update_s = 0;  ///< to refit or rebuild the structure
   bool rebuilt = false;
 
-  double seconds() const { return pose_s + update_s; }
+  [[nodiscard]] double seconds() const { return pose_s + update_s; }
 };
 
 /// A scene with its structure, ready to be rendered by any engine.
@@ -114,16 +114,17 @@ class Workload {
 
   /// An engine that renders this workload. `queue` is ignored where the task system needs none.
   /// Throws UsageError if the threads cannot be started.
-  std::unique_ptr<Engine> start_engine(const EngineOptions& options, const QueueEntry& queue) const;
+  [[nodiscard]] std::unique_ptr<Engine> start_engine(const EngineOptions& options,
+                                                     const QueueEntry& queue) const;
 
   /// A shader as the options say, which adds to `frame`. Both outlive it.
   std::unique_ptr<Shader> make_shader(FrameBuffer& frame) const;
 
   /// Options of an engine for this workload, but for its threads.
-  EngineOptions engine_options(unsigned threads) const;
+  [[nodiscard]] EngineOptions engine_options(unsigned threads) const;
 
   /// Whether the scene moves from frame to frame. `rewind` and `advance` are for such alone.
-  bool animated() const { return animation_ != nullptr; }
+  [[nodiscard]] bool animated() const { return animation_ != nullptr; }
 
   /// Goes back to the first frame, with a new structure, built by `executor`.
   void rewind(Executor& executor);
@@ -131,16 +132,16 @@ class Workload {
   /// Goes on to frame number `frame`. `render_s` is what rendering took since the last call.
   Motion advance(std::uint32_t frame, Executor& executor, double render_s);
 
-  const WorkloadOptions& options() const { return options_; }
-  const Scene& scene() const { return scene_; }
-  const Accelerator& accelerator() const { return *accelerator_; }
-  const FrameBuffer& frame() const { return *frame_; }
+  [[nodiscard]] const WorkloadOptions& options() const { return options_; }
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const Accelerator& accelerator() const { return *accelerator_; }
+  [[nodiscard]] const FrameBuffer& frame() const { return *frame_; }
   ImageRendering& application() { return *application_; }
-  double load_s() const { return load_s_; }    ///< to read or make the scene
-  double build_s() const { return build_s_; }  ///< to build the structure
+  [[nodiscard]] double load_s() const { return load_s_; }    ///< to read or make the scene
+  [[nodiscard]] double build_s() const { return build_s_; }  ///< to build the structure
 
   /// The hash of the last frame, as 16 hexadecimal digits.
-  std::string image_hash() const;
+  [[nodiscard]] std::string image_hash() const;
 
  private:
   void build();

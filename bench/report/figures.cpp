@@ -129,9 +129,9 @@ class PanelMaker {
   }
 
  private:
-  const Run& run(std::size_t index) const { return results_.runs[index]; }
+  [[nodiscard]] const Run& run(std::size_t index) const { return results_.runs[index]; }
 
-  std::size_t distinct(const Runs& runs, Key key) const {
+  [[nodiscard]] std::size_t distinct(const Runs& runs, Key key) const {
     std::set<std::string> values;
     for (const std::size_t index : runs) {
       // A simulated run tells only the choices that its model knows.
@@ -152,7 +152,7 @@ class PanelMaker {
   }
 
   // Whether the other choices leave `x` none here, as they do as a rule where it follows from them.
-  bool follows(Family family, const Runs& runs, const Field& x) const {
+  [[nodiscard]] bool follows(Family family, const Runs& runs, const Field& x) const {
     if (!x.follows) return false;
     std::vector<const Field*> others = choices(family);
     std::erase(others, &x);
@@ -164,7 +164,8 @@ class PanelMaker {
   }
 
   // What tells the runs apart beside the queue and x.
-  std::vector<const Field*> differing(Family family, const Runs& runs, const Field& x) const {
+  [[nodiscard]] std::vector<const Field*> differing(Family family, const Runs& runs,
+                                                    const Field& x) const {
     std::vector<const Field*> found;
     for (const Field* choice : choices(family)) {
       if (choice != &x && distinct(runs, *choice) > 1) found.push_back(choice);
@@ -184,12 +185,14 @@ class PanelMaker {
     return found;
   }
 
-  std::string choices_key(std::size_t index, const std::vector<const Field*>& kept) const {
+  [[nodiscard]] std::string choices_key(std::size_t index,
+                                        const std::vector<const Field*>& kept) const {
     std::string key;
     for (const Field* choice : kept) key += '\n' + run(index).text(*choice);
     return key;
   }
-  std::string series_key(std::size_t index, const std::vector<const Field*>& kept) const {
+  [[nodiscard]] std::string series_key(std::size_t index,
+                                       const std::vector<const Field*>& kept) const {
     const Run& one = run(index);
     return fmt::format("{}\n{}\n{}\n{}{}", one.subject(), one.text("source"), one.text("machine"),
                        one.environment, choices_key(index, kept));
@@ -255,8 +258,8 @@ class PanelMaker {
     }
   }
 
-  Series series_of(const Runs& runs, const std::vector<const Field*>& in_series,
-                   bool name_environment) const {
+  [[nodiscard]] Series series_of(const Runs& runs, const std::vector<const Field*>& in_series,
+                                 bool name_environment) const {
     const Run& first = run(runs.front());
     Series series{.name = first.subject(),
                   .simulated = first.simulated(),
@@ -292,7 +295,7 @@ class PanelMaker {
     }
   }
 
-  Point point_of(std::size_t index, const Field& figure, double y) const {
+  [[nodiscard]] Point point_of(std::size_t index, const Field& figure, double y) const {
     const Run& one = run(index);
     Point point{.x = 0, .y = y, .low = {}, .high = {}, .samples = {}, .run = index};
     if (!figure.low.empty()) {
@@ -313,7 +316,7 @@ class PanelMaker {
   }
 
   // The levels of the simulated machines; with their names where there are several.
-  std::vector<Mark> marks_of(const Panel& panel) const {
+  [[nodiscard]] std::vector<Mark> marks_of(const Panel& panel) const {
     std::map<std::string, const Run*> machines;
     for (const Series& series : panel.series) {
       const Run& first = run(series.runs.front());

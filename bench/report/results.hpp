@@ -33,14 +33,14 @@ struct Run {
   std::string time;         ///< when its conditions were taken, ISO 8601; empty where unknown
 
   /// The number in `key`; nothing where it is missing, null or no number.
-  std::optional<double> number(Key key) const;
+  [[nodiscard]] std::optional<double> number(Key key) const;
   /// The field as text; empty where it is missing or null.
-  std::string text(Key key) const;
+  [[nodiscard]] std::string text(Key key) const;
   /// The queue, or who schedules where there is none; of micro benchmarks the name.
-  std::string subject() const;
-  bool simulated() const { return text("source") == "simulated"; }
+  [[nodiscard]] std::string subject() const;
+  [[nodiscard]] bool simulated() const { return text("source") == "simulated"; }
   /// "ok", "hung", "crashed", "failed", or "broken" where a queue has lost or doubled tasks.
-  std::string status() const;
+  [[nodiscard]] std::string status() const;
 };
 
 struct ResultFile {

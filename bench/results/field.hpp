@@ -54,42 +54,42 @@ struct Field {
 
   /// The field as `change` leaves it. (Before those that use it, or Clang 14 cannot evaluate them.)
   template <class Change>
-  constexpr Field with(Change change) const {
+  [[nodiscard]] constexpr Field with(Change change) const {
     Field changed = *this;
     change(changed);
     return changed;
   }
-  constexpr Field at(Place where) const {
+  [[nodiscard]] constexpr Field at(Place where) const {
     return with([=](Field& f) { f.place = where; });
   }
-  constexpr Field in_picture() const {
+  [[nodiscard]] constexpr Field in_picture() const {
     return with([](Field& f) { f.seen = true; });
   }
-  constexpr Field over() const {
+  [[nodiscard]] constexpr Field over() const {
     return with([](Field& f) { f.sweeps = true; });
   }
-  constexpr Field following() const {
+  [[nodiscard]] constexpr Field following() const {
     return with([](Field& f) { f.follows = true; });
   }
-  constexpr Field apart(std::string_view name) const {
+  [[nodiscard]] constexpr Field apart(std::string_view name) const {
     return with([=](Field& f) { f.tells_apart = true, f.title = name; });
   }
-  constexpr Field column(std::string_view name) const {
+  [[nodiscard]] constexpr Field column(std::string_view name) const {
     return with([=](Field& f) { f.heading = name; });
   }
-  constexpr Field plot(std::string_view name, std::string_view in = {}) const {
+  [[nodiscard]] constexpr Field plot(std::string_view name, std::string_view in = {}) const {
     return with([=](Field& f) { f.plotted = true, f.title = name, f.unit = in; });
   }
-  constexpr Field unless_zero() const {
+  [[nodiscard]] constexpr Field unless_zero() const {
     return with([](Field& f) { f.skip_zeros = true; });
   }
-  constexpr Field with_samples(std::string_view field) const {
+  [[nodiscard]] constexpr Field with_samples(std::string_view field) const {
     return with([=](Field& f) { f.samples = field; });
   }
-  constexpr Field within(std::string_view least, std::string_view most) const {
+  [[nodiscard]] constexpr Field within(std::string_view least, std::string_view most) const {
     return with([=](Field& f) { f.low = least, f.high = most; });
   }
-  constexpr Field plus(std::string_view field) const {
+  [[nodiscard]] constexpr Field plus(std::string_view field) const {
     return with([=](Field& f) { f.added = field; });
   }
 };

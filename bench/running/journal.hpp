@@ -32,7 +32,7 @@ class JsonLines {
   /// Writes a line through to the operating system. Throws UsageError.
   void add(const nlohmann::json& line);
 
-  const nlohmann::json& header() const { return header_; }
+  [[nodiscard]] const nlohmann::json& header() const { return header_; }
 
  private:
   struct Close {
@@ -68,8 +68,8 @@ class Journal {
     results_.push_back(std::move(result));
   }
 
-  const nlohmann::json& header() const { return lines_.header(); }
-  const std::vector<Result>& results() const { return results_; }
+  [[nodiscard]] const nlohmann::json& header() const { return lines_.header(); }
+  [[nodiscard]] const std::vector<Result>& results() const { return results_; }
 
  private:
   Journal(JsonLines lines, std::vector<Result> results)

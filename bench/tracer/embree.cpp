@@ -39,9 +39,9 @@ class EmbreeScene {
     rtcReleaseDevice(device_);
   }
 
-  RTCScene handle() const { return scene_; }
+  [[nodiscard]] RTCScene handle() const { return scene_; }
   /// How long the hierarchy took; copying the mesh is not in it.
-  double commit_ms() const { return commit_ms_; }
+  [[nodiscard]] double commit_ms() const { return commit_ms_; }
 
  private:
   RTCDevice device_;
@@ -234,7 +234,7 @@ class Embree final : public Accelerator {
     way_.any(scene_->handle(), way_.coherent, rays, occluded);
   }
   /// Embree does not say; nobody asks.
-  std::size_t memory_bytes() const override { return 0; }
+  [[nodiscard]] std::size_t memory_bytes() const override { return 0; }
 
  private:
   const Way& way_;

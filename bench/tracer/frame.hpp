@@ -23,9 +23,9 @@ class FrameBench {
   /// Renders one frame; returns the milliseconds from its first ray to the finished image.
   double run();
 
-  const FrameBuffer& frame() const { return frame_; }
+  [[nodiscard]] const FrameBuffer& frame() const { return frame_; }
   /// Rays of all kinds in the last frame.
-  std::uint64_t rays() const { return rays_; }
+  [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
  private:
   PrivateSumsFrameBuffer frame_;

@@ -24,9 +24,9 @@ class TaskTimes {
   std::span<std::uint64_t> add_round(std::size_t tasks);
 
   /// The sum of the tasks' medians in milliseconds of one thread.
-  double busy_ms() const;
+  [[nodiscard]] double busy_ms() const;
   /// The sum of each round, disturbances included.
-  std::vector<double> rounds_ms() const;
+  [[nodiscard]] std::vector<double> rounds_ms() const;
 
  private:
   std::vector<std::vector<std::uint64_t>> rounds_;

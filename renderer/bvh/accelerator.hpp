@@ -45,7 +45,7 @@ class Accelerator {
                        TraceProfile* profile = nullptr) const = 0;
 
   /// Bytes that the structure occupies beside the mesh.
-  virtual std::size_t memory_bytes() const = 0;
+  [[nodiscard]] virtual std::size_t memory_bytes() const = 0;
 
   /// Adapts the structure to `mesh`, which has the triangles that it was built over at other
   /// places. Quicker than to build anew, with the same answers, which take the longer to find the
@@ -54,7 +54,7 @@ class Accelerator {
 
   /// What a ray is expected to cost, by the surface area heuristic. Only its growth from refit to
   /// refit means anything; the unit is the structure's own.
-  virtual double sah_cost() const { return 1; }
+  [[nodiscard]] virtual double sah_cost() const { return 1; }
 };
 
 /// How a ray is tested against a triangle: the classes of renderer/tracing/kernels-inl.hpp.

@@ -19,7 +19,9 @@ class BruteForce final : public SingleRayAccelerator<BruteForce> {
   template <class Kernel, bool any, class Probe>
   Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
-  std::size_t memory_bytes() const override { return triangles_.size() * sizeof(Triangle); }
+  [[nodiscard]] std::size_t memory_bytes() const override {
+    return triangles_.size() * sizeof(Triangle);
+  }
   bool refit(const Mesh& mesh, Executor& executor) override;
 
  private:

@@ -56,8 +56,8 @@ class DynamicAccelerator final : public Accelerator {
                TraceProfile* profile) const override {
     current_->any_hit(rays, occluded, profile);
   }
-  std::size_t memory_bytes() const override { return current_->memory_bytes(); }
-  double sah_cost() const override { return current_->sah_cost(); }
+  [[nodiscard]] std::size_t memory_bytes() const override { return current_->memory_bytes(); }
+  [[nodiscard]] double sah_cost() const override { return current_->sah_cost(); }
 
  private:
   bool rebuilding_pays(double render_s);

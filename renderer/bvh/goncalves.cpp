@@ -37,7 +37,7 @@ struct Split {
   int bins = 0;
   float origin = 0, scale = 0;
 
-  int bin_of(const Box& box) const {
+  [[nodiscard]] int bin_of(const Box& box) const {
     const float edge = upper_edge ? box.hi[axis] : box.lo[axis];
     return std::min(bins - 1, static_cast<int>((edge - origin) * scale));
   }
@@ -79,7 +79,7 @@ struct Goncalves::Builder {
     int depth;
   };
 
-  Split find_split(const Open& open) const {
+  [[nodiscard]] Split find_split(const Open& open) const {
     Split best;
     const std::uint32_t count = open.end - open.begin;
     for (int axis = 0; axis < 3; ++axis) {

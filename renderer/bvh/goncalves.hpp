@@ -30,11 +30,11 @@ class Goncalves final : public SingleRayAccelerator<Goncalves> {
   template <class Kernel, bool any, class Probe>
   Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
-  std::size_t memory_bytes() const override {
+  [[nodiscard]] std::size_t memory_bytes() const override {
     return nodes_.size() * sizeof(Node) + triangles_.size() * sizeof(Triangle);
   }
   bool refit(const Mesh& mesh, Executor& executor) override;
-  double sah_cost() const override { return sah_cost_; }
+  [[nodiscard]] double sah_cost() const override { return sah_cost_; }
 
  private:
   struct Node {

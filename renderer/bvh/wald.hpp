@@ -36,11 +36,11 @@ class Wald final : public SingleRayAccelerator<Wald> {
   template <class Kernel, bool any, class Probe>
   Hit trace(const KernelRay<Kernel>& ray, Probe& probe) const;
 
-  std::size_t memory_bytes() const override {
+  [[nodiscard]] std::size_t memory_bytes() const override {
     return nodes_.size() * sizeof(WaldNode) + triangles_.size() * sizeof(WaldTriangle);
   }
   bool refit(const Mesh& mesh, Executor& executor) override;
-  double sah_cost() const override { return sah_cost_; }
+  [[nodiscard]] double sah_cost() const override { return sah_cost_; }
 
  private:
   struct Builder;

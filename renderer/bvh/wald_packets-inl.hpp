@@ -104,7 +104,8 @@ class WaldTracer {
   }
 
   /// The first packet from `first` on that enters the node's box; `packets_` if none does.
-  HWY_INLINE std::uint32_t first_active(const WaldNode& node, std::uint32_t first) const {
+  [[nodiscard]] HWY_INLINE std::uint32_t first_active(const WaldNode& node,
+                                                      std::uint32_t first) const {
     if (enters(node, first)) return first;
     if (all_miss(node)) return packets_;
     for (++first; first < packets_; ++first) {
@@ -113,7 +114,7 @@ class WaldTracer {
     return first;
   }
 
-  HWY_INLINE bool enters(const WaldNode& node, std::uint32_t packet) const {
+  [[nodiscard]] HWY_INLINE bool enters(const WaldNode& node, std::uint32_t packet) const {
     Lanes entry, exit;
     slab_lanes(node.box(), packet, entry, exit);
     return any(entry <= lesser(exit, Lanes::load(t + packet * N)));
@@ -135,7 +136,7 @@ class WaldTracer {
     exit = lesser(lesser(far[0], far[1]), far[2]) * Lanes(exit_widening);
   }
 
-  HWY_INLINE bool all_miss(const WaldNode& node) const {
+  [[nodiscard]] HWY_INLINE bool all_miss(const WaldNode& node) const {
     float entry = 0, exit = std::numeric_limits<float>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       const AxisBounds& b = bounds_[axis];
@@ -148,7 +149,8 @@ class WaldTracer {
     return entry > exit * exit_widening;
   }
 
-  HWY_INLINE VecOf<Lanes> lanes(const float (&from)[3][most], std::uint32_t packet) const {
+  [[nodiscard]] HWY_INLINE VecOf<Lanes> lanes(const float (&from)[3][most],
+                                              std::uint32_t packet) const {
     return {Lanes::load(from[0] + packet * N), Lanes::load(from[1] + packet * N),
             Lanes::load(from[2] + packet * N)};
   }

@@ -23,7 +23,7 @@ struct WaldNode {
   std::uint8_t axis;       ///< the children are furthest apart along it
   std::uint8_t low_child;  ///< which of them is lower there: 0 or 1
 
-  Box box() const { return {box_min, box_max}; }
+  [[nodiscard]] Box box() const { return {box_min, box_max}; }
 };
 static_assert(sizeof(WaldNode) == 32);
 

@@ -42,10 +42,10 @@ class CollisionQuery final : public Application {
   void on_occlusion(const Task&, std::span<const std::uint8_t>, TaskSink&) override {}
 
   /// Per particle, of the last frame.
-  const std::vector<Contacts>& contacts() const { return contacts_; }
+  [[nodiscard]] const std::vector<Contacts>& contacts() const { return contacts_; }
 
   /// All collisions of the last frame.
-  std::uint64_t total() const;
+  [[nodiscard]] std::uint64_t total() const;
 
  private:
   const Mesh& mesh_;

@@ -13,7 +13,7 @@ class EarlyEnd {
   explicit EarlyEnd(const std::atomic<bool>* cancel) : cancel_(cancel) {}
 
   /// Whether there is nothing left to do but to give tasks back. By any number of threads at once.
-  bool is_here() const {
+  [[nodiscard]] bool is_here() const {
     // Relaxed: a flag to stop early; what it protects is ordered by the end of the frame.
     return failed_.load(std::memory_order_relaxed) ||
            (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed));
@@ -28,7 +28,7 @@ class EarlyEnd {
   }
 
   // Between frames.
-  bool is_cancelled() const { return cancel_ != nullptr && *cancel_; }
+  [[nodiscard]] bool is_cancelled() const { return cancel_ != nullptr && *cancel_; }
   void rethrow() const {
     if (error_) std::rethrow_exception(error_);
   }

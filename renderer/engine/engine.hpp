@@ -73,7 +73,9 @@ struct WorkerStats {
   TraceProfile profile;                 ///< of the profiled tasks
   TimeHistogram gets, adds;             ///< each pop that found a task, each push
 
-  std::uint64_t busy_ns() const { return get_ns + add_ns + trace_ns + shade_ns + profiled_ns; }
+  [[nodiscard]] std::uint64_t busy_ns() const {
+    return get_ns + add_ns + trace_ns + shade_ns + profiled_ns;
+  }
   WorkerStats& operator+=(const WorkerStats& other);
 };
 
@@ -88,11 +90,11 @@ struct FrameStats {
   /// Faults of the queue, 0 for a correct one: tasks that never came out, and that came out twice.
   std::uint64_t lost = 0, doubled = 0;
 
-  double seconds() const { return generate_s + render_s + output_s; }  ///< T.Exec
-  WorkerStats total() const;
-  std::uint64_t rays() const;  ///< of all kinds
+  [[nodiscard]] double seconds() const { return generate_s + render_s + output_s; }  ///< T.Exec
+  [[nodiscard]] WorkerStats total() const;
+  [[nodiscard]] std::uint64_t rays() const;  ///< of all kinds
   /// Busiest worker over the mean; 1 is perfect balance. 1 if nothing was measured.
-  double imbalance() const;
+  [[nodiscard]] double imbalance() const;
 };
 
 /// Render threads, parked between frames. Every call is made by the thread that made the engine.
@@ -109,11 +111,11 @@ class Engine {
 
   /// Tasks in memory, and those of them that are not free. Between frames none is in use, unless a
   /// queue has lost it.
-  virtual std::size_t tasks_allocated() const = 0;
-  virtual std::size_t tasks_in_use() const = 0;
+  [[nodiscard]] virtual std::size_t tasks_allocated() const = 0;
+  [[nodiscard]] virtual std::size_t tasks_in_use() const = 0;
 
   /// Whether every thread is bound to a core.
-  virtual bool pinned() const = 0;
+  [[nodiscard]] virtual bool pinned() const = 0;
 };
 
 /// Whether `threads` threads take turns at a queue with these claims, by a mutex at each end that

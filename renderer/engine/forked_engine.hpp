@@ -40,9 +40,9 @@ class ForkedEngine final : public Engine {
   }
 
   FrameStats run(Application& application) override;
-  std::size_t tasks_allocated() const override { return pool_.allocated(); }
-  std::size_t tasks_in_use() const override { return pool_.in_use(); }
-  bool pinned() const override { return false; }
+  [[nodiscard]] std::size_t tasks_allocated() const override { return pool_.allocated(); }
+  [[nodiscard]] std::size_t tasks_in_use() const override { return pool_.in_use(); }
+  [[nodiscard]] bool pinned() const override { return false; }
 
  private:
   using Clock = std::chrono::steady_clock;

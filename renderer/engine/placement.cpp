@@ -36,7 +36,7 @@ class Topology {
   Topology(const Topology&) = delete;
   Topology& operator=(const Topology&) = delete;
 
-  bool bind(unsigned index) const {
+  [[nodiscard]] bool bind(unsigned index) const {
     if (order_.empty()) return false;
     return hwloc_set_cpubind(topology_, order_[index % order_.size()]->cpuset,
                              HWLOC_CPUBIND_THREAD) == 0;

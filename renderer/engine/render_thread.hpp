@@ -79,18 +79,18 @@ class alignas(128) RenderThread {
   }
 
   /// Since `reset`.
-  const WorkerStats& stats() const { return stats_; }
-  const std::atomic<bool>& is_idle() const { return idle_; }
+  [[nodiscard]] const WorkerStats& stats() const { return stats_; }
+  [[nodiscard]] const std::atomic<bool>& is_idle() const { return idle_; }
 
  private:
   // What the loop asks for.
   friend Loop;
   Queue& queue() { return *shared_.queue; }
-  unsigned number() const { return index_; }
+  [[nodiscard]] unsigned number() const { return index_; }
   std::vector<Task*>& overflow() { return overflow_; }
   std::atomic<bool>& idle() { return idle_; }
   std::atomic<std::int64_t>& outstanding() { return shared_.outstanding; }
-  bool leaves_when_empty() const { return shared_.leaves_when_empty; }
+  [[nodiscard]] bool leaves_when_empty() const { return shared_.leaves_when_empty; }
   bool tasks_are_lost();
   std::vector<Task*> answer(Task& task, bool first_time);
   void hand_on(const std::vector<Task*>& children, const auto& put) {
@@ -127,7 +127,7 @@ class alignas(128) RenderThread {
   void log(const Span& span) {
     if constexpr (traced) shared_.options.trace->add(index_, span);
   }
-  std::uint64_t nanoseconds(Clock::time_point from, Clock::time_point to) const {
+  [[nodiscard]] std::uint64_t nanoseconds(Clock::time_point from, Clock::time_point to) const {
     const double raw =
         std::chrono::duration<double, std::nano>(to - from).count() - shared_.clock_cost;
     return raw > 0 ? static_cast<std::uint64_t>(raw) : 0;

@@ -49,14 +49,14 @@ class TaskPool {
     for (std::size_t i = 0; i < surplus.size(); ++i) lists_[i].free.push_back(surplus[i]);
   }
 
-  std::size_t allocated() const {
+  [[nodiscard]] std::size_t allocated() const {
     std::size_t total = 0;
     for (const List& list : lists_) total += list.owned.size();
     return total;
   }
 
   /// Tasks acquired and not recycled.
-  std::size_t in_use() const {
+  [[nodiscard]] std::size_t in_use() const {
     std::size_t recycled = 0;
     for (const List& list : lists_) recycled += list.free.size();
     return allocated() - recycled;

@@ -24,7 +24,7 @@ class TimeHistogram {
   }
 
   /// The time in nanoseconds below which a share `q` in [0, 1] of all lies; 0 if there are none.
-  double quantile(double q) const {
+  [[nodiscard]] double quantile(double q) const {
     std::uint64_t all = 0, seen = 0;
     for (const std::uint64_t count : counts) all += count;
     for (std::size_t i = 0; i < buckets; ++i) {

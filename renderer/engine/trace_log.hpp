@@ -44,10 +44,10 @@ class TraceLog {
     }
   }
 
-  std::size_t rows() const { return rows_.size(); }
+  [[nodiscard]] std::size_t rows() const { return rows_.size(); }
   /// By their ends; a span that holds others comes after them.
-  std::span<const Span> spans(std::size_t row) const { return rows_[row].spans; }
-  std::uint64_t dropped(std::size_t row) const { return rows_[row].dropped; }
+  [[nodiscard]] std::span<const Span> spans(std::size_t row) const { return rows_[row].spans; }
+  [[nodiscard]] std::uint64_t dropped(std::size_t row) const { return rows_[row].dropped; }
   void clear() {
     for (Row& row : rows_) {
       row.spans.clear();

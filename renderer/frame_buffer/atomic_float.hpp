@@ -30,7 +30,7 @@ class AtomicFloatFrameBuffer final : public FrameBuffer {
     for (auto& sum : sums_) sum.store(0, std::memory_order_relaxed);
   }
 
-  Vec3 sum(std::uint32_t pixel) const override {
+  [[nodiscard]] Vec3 sum(std::uint32_t pixel) const override {
     const std::size_t first = std::size_t{pixel} * 3;
     return {sums_[first].load(std::memory_order_relaxed),
             sums_[first + 1].load(std::memory_order_relaxed),

@@ -44,8 +44,10 @@ struct FixedPointSum {
     blue += other.blue;
     return *this;
   }
-  Vec3 light() const { return {to_float(red >> count_bits), to_float(green), to_float(blue)}; }
-  std::uint64_t contributions() const { return red & max_contributions; }
+  [[nodiscard]] Vec3 light() const {
+    return {to_float(red >> count_bits), to_float(green), to_float(blue)};
+  }
+  [[nodiscard]] std::uint64_t contributions() const { return red & max_contributions; }
 
  private:
   static constexpr int count_bits = 16;
@@ -61,7 +63,7 @@ class ExactFrameBuffer : public FrameBuffer {
  public:
   using FrameBuffer::FrameBuffer;
 
-  Vec3 sum(std::uint32_t pixel) const final { return exact(pixel).light(); }
+  [[nodiscard]] Vec3 sum(std::uint32_t pixel) const final { return exact(pixel).light(); }
   void sums(std::uint32_t first, std::uint32_t count, float* rgb) const final {
     FixedPointSum some[at_once];
     for (std::uint32_t done = 0; done < count; done += at_once) {
@@ -74,10 +76,14 @@ class ExactFrameBuffer : public FrameBuffer {
     }
   }
   /// Contributions that `pixel` has got since the last clear.
-  std::uint64_t contributions(std::uint32_t pixel) const { return exact(pixel).contributions(); }
-  std::uint64_t max_contributions() const final { return FixedPointSum::max_contributions; }
+  [[nodiscard]] std::uint64_t contributions(std::uint32_t pixel) const {
+    return exact(pixel).contributions();
+  }
+  [[nodiscard]] std::uint64_t max_contributions() const final {
+    return FixedPointSum::max_contributions;
+  }
   /// Of the integers, least significant byte first.
-  std::uint64_t hash() const final;
+  [[nodiscard]] std::uint64_t hash() const final;
 
  protected:
   static constexpr std::uint32_t at_once = 64;  ///< the most pixels in a call of `fetch`
@@ -86,7 +92,7 @@ class ExactFrameBuffer : public FrameBuffer {
   virtual void fetch(std::uint32_t first, std::uint32_t count, FixedPointSum* sums) const = 0;
 
  private:
-  FixedPointSum exact(std::uint32_t pixel) const {
+  [[nodiscard]] FixedPointSum exact(std::uint32_t pixel) const {
     FixedPointSum sum;
     fetch(pixel, 1, &sum);
     return sum;

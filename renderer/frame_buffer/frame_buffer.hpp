@@ -43,7 +43,7 @@ class FrameBuffer {
   virtual void clear() = 0;
 
   /// The sum at `pixel`. No add runs at the same time.
-  virtual Vec3 sum(std::uint32_t pixel) const = 0;
+  [[nodiscard]] virtual Vec3 sum(std::uint32_t pixel) const = 0;
 
   /// `sum` of `count` pixels from `first` on, red, green and blue of one after the other.
   virtual void sums(std::uint32_t first, std::uint32_t count, float* rgb) const {
@@ -54,21 +54,21 @@ class FrameBuffer {
   }
 
   /// How many contributions a pixel may get between two clears.
-  virtual std::uint64_t max_contributions() const {
+  [[nodiscard]] virtual std::uint64_t max_contributions() const {
     return std::numeric_limits<std::uint64_t>::max();
   }
 
   /// A 64-bit FNV-1a hash of the 8-bit picture, or of the exact sums where they do not depend on
   /// the order of the adds (`FrameBufferEntry::exact`).
-  virtual std::uint64_t hash() const;
+  [[nodiscard]] virtual std::uint64_t hash() const;
 
   /// The picture, each channel clamped to [0, 1]. The gamma is 2 because a square root, unlike a
   /// power, is rounded alike on every machine.
-  Image image() const;
+  [[nodiscard]] Image image() const;
 
-  std::uint32_t width() const { return width_; }
-  std::uint32_t height() const { return height_; }
-  std::uint32_t pixels() const { return width_ * height_; }
+  [[nodiscard]] std::uint32_t width() const { return width_; }
+  [[nodiscard]] std::uint32_t height() const { return height_; }
+  [[nodiscard]] std::uint32_t pixels() const { return width_ * height_; }
 
  private:
   std::uint32_t width_, height_;

@@ -84,7 +84,7 @@ class PrivateSumsFrameBuffer final : public ExactFrameBuffer {
     const FixedPointSum& operator[](std::uint32_t pixel) const { return sums_[pixel]; }
     void close(std::uint32_t which) { others_[which] = 0; }
     /// What stood in `Strips` before: the rest of the list.
-    std::uint32_t others(std::uint32_t which) const { return others_[which] - 1; }
+    [[nodiscard]] std::uint32_t others(std::uint32_t which) const { return others_[which] - 1; }
 
     std::thread::id owner;
     std::uint64_t frame = 0;  ///< the last one that the owner has added to

@@ -32,7 +32,7 @@ class SpinlockFrameBuffer final : public FrameBuffer {
   }
 
   void clear() override { sums_.assign(sums_.size(), Vec3{}); }
-  Vec3 sum(std::uint32_t pixel) const override { return sums_[pixel]; }
+  [[nodiscard]] Vec3 sum(std::uint32_t pixel) const override { return sums_[pixel]; }
 
  private:
   alignas(64) std::atomic<bool> locked_{false};

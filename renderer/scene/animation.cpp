@@ -40,8 +40,8 @@ float turns_at(std::uint32_t frame) {
 struct Extent {
   Vec3 low, high;
 
-  Vec3 middle() const { return (low + high) * 0.5f; }
-  float size() const { return length(high - low); }
+  [[nodiscard]] Vec3 middle() const { return (low + high) * 0.5f; }
+  [[nodiscard]] float size() const { return length(high - low); }
 };
 
 Extent extent_of(const std::vector<Vec3>& vertices) {

@@ -20,7 +20,7 @@ struct Mesh {
   std::vector<TriangleIndices> triangles;
   std::vector<std::uint32_t> material;  ///< per triangle, an index into `Scene::materials`
 
-  Vec3 corner(std::uint32_t triangle, int k) const {
+  [[nodiscard]] Vec3 corner(std::uint32_t triangle, int k) const {
     return vertices[triangles[triangle][static_cast<std::size_t>(k)]];
   }
 };

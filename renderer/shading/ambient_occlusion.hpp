@@ -27,7 +27,7 @@ class AmbientOcclusion final : public SurfaceShader {
   }
 
   static std::uint64_t rays_per_hit(const Scene& /*scene*/) { return rays; }
-  std::uint64_t max_rays_per_sample() const override { return 1 + rays; }
+  [[nodiscard]] std::uint64_t max_rays_per_sample() const override { return 1 + rays; }
 
   void on_hits(const Task& task, const Hits& hits, TaskSink& tasks) const override {
     Task* occlusion[rays] = {};

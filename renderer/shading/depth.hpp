@@ -12,7 +12,7 @@ class Depth final : public SurfaceShader {
       : SurfaceShader(scene, frame) {}
 
   static std::uint64_t rays_per_hit(const Scene& /*scene*/) { return 0; }
-  std::uint64_t max_rays_per_sample() const override { return 1; }
+  [[nodiscard]] std::uint64_t max_rays_per_sample() const override { return 1; }
 
   void on_hits(const Task& task, const Hits& hits, TaskSink& /*tasks*/) const override {
     const float black = 2 * length(scene_.camera.target - scene_.camera.eye);

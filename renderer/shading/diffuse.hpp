@@ -14,7 +14,7 @@ class Diffuse final : public SurfaceShader {
       : SurfaceShader(scene, frame) {}
 
   static std::uint64_t rays_per_hit(const Scene& /*scene*/) { return 0; }
-  std::uint64_t max_rays_per_sample() const override { return 1; }
+  [[nodiscard]] std::uint64_t max_rays_per_sample() const override { return 1; }
 
   void on_hits(const Task& task, const Hits& hits, TaskSink& /*tasks*/) const override {
     for_each_hit(task, hits, Whitted::background, [&](std::uint32_t lane, const Surface& surface) {

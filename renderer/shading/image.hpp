@@ -33,7 +33,7 @@ class ImageRendering final : public Application {
   void finish_frame() override { image_ = frame_.image(); }
 
   /// The last frame that was finished.
-  const Image& image() const { return image_; }
+  [[nodiscard]] const Image& image() const { return image_; }
 
  private:
   void next_sample(const Task& task, TaskSink& tasks) const;

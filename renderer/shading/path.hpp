@@ -23,7 +23,9 @@ class PathTracer final : public SurfaceShader {
       : SurfaceShader(scene, frame), max_depth_(options.max_depth) {}
 
   static std::uint64_t rays_per_hit(const Scene& /*scene*/) { return 2; }
-  std::uint64_t max_rays_per_sample() const override { return 2 * (std::uint64_t{max_depth_} + 1); }
+  [[nodiscard]] std::uint64_t max_rays_per_sample() const override {
+    return 2 * (std::uint64_t{max_depth_} + 1);
+  }
 
   void on_hits(const Task& task, const Hits& hits, TaskSink& tasks) const override {
     std::vector<Task*> shadow(scene_.lights.size());

@@ -47,7 +47,7 @@ class PrimaryRays {
 
   /// Through pixel (x, y), counted from the top left: through its centre or, with `within`, that
   /// far from its left and upper edge, in pixels. Its length is not 1.
-  Ray through(std::uint32_t x, std::uint32_t y, InPixel within = {}) const {
+  [[nodiscard]] Ray through(std::uint32_t x, std::uint32_t y, InPixel within = {}) const {
     const float across = (static_cast<float>(x) + within.x) * view_.step - view_.half_width;
     const float down = (static_cast<float>(y) + within.y) * view_.step - view_.half_height;
     return {view_.eye, view_.forward + view_.right * across - view_.up * down};

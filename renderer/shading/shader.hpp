@@ -55,7 +55,7 @@ class Shader {
 
   /// The most rays that one sample of a pixel can cost, and so the most contributions that the
   /// pixel can get from it.
-  virtual std::uint64_t max_rays_per_sample() const = 0;
+  [[nodiscard]] virtual std::uint64_t max_rays_per_sample() const = 0;
 };
 
 /// A shader by name, as the tools see it: a class with a constructor like `make` and a static

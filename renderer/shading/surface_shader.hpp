@@ -34,7 +34,7 @@ class SurfaceShader : public Shader {
     }
   }
 
-  const Material& material_of(std::uint32_t triangle) const {
+  [[nodiscard]] const Material& material_of(std::uint32_t triangle) const {
     return scene_.materials[scene_.mesh.material[triangle]];
   }
 

@@ -80,20 +80,20 @@ class SurfaceChunk {
     }
   }
 
-  HWY_INLINE Truths<lanes> is_hit(std::uint32_t i) const {
+  [[nodiscard]] HWY_INLINE Truths<lanes> is_hit(std::uint32_t i) const {
     return Indices<lanes>::load(triangle_ + i) != Indices<lanes>(no_triangle);
   }
   /// A hit on a triangle that has a normal.
-  HWY_INLINE Truths<lanes> is_surface(std::uint32_t i) const {
+  [[nodiscard]] HWY_INLINE Truths<lanes> is_surface(std::uint32_t i) const {
     return Lanes::load(sound_ + i) > Lanes(0.0f);
   }
-  HWY_INLINE Lanes3 point(std::uint32_t i) const { return load(point_, i); }
-  HWY_INLINE Lanes3 normal(std::uint32_t i) const { return load(normal_, i); }
-  HWY_INLINE Lanes3 diffuse(std::uint32_t i) const { return load(diffuse_, i); }
-  HWY_INLINE Lanes3 specular(std::uint32_t i) const { return load(specular_, i); }
+  [[nodiscard]] HWY_INLINE Lanes3 point(std::uint32_t i) const { return load(point_, i); }
+  [[nodiscard]] HWY_INLINE Lanes3 normal(std::uint32_t i) const { return load(normal_, i); }
+  [[nodiscard]] HWY_INLINE Lanes3 diffuse(std::uint32_t i) const { return load(diffuse_, i); }
+  [[nodiscard]] HWY_INLINE Lanes3 specular(std::uint32_t i) const { return load(specular_, i); }
 
   /// Surface::lifted
-  HWY_INLINE Lanes3 lifted(std::uint32_t i, const Lanes3& other_end) const {
+  [[nodiscard]] HWY_INLINE Lanes3 lifted(std::uint32_t i, const Lanes3& other_end) const {
     const Lanes reach = greater(greater(Lanes::load(magnitude_ + i), magnitude(other_end.x)),
                                 greater(magnitude(other_end.y), magnitude(other_end.z)));
     return point(i) + normal(i) * (reach * Lanes(0x1p-17f));

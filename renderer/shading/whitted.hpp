@@ -32,7 +32,7 @@ class Whitted final : public Shader {
                     TaskSink& tasks) const override;
 
   /// A path has at most `max_depth` + 1 hits, each with one ray that led there and its shadow rays.
-  std::uint64_t max_rays_per_sample() const override {
+  [[nodiscard]] std::uint64_t max_rays_per_sample() const override {
     return (std::uint64_t{options_.max_depth} + 1) * rays_per_hit(scene_);
   }
   static std::uint64_t rays_per_hit(const Scene& scene) { return scene.lights.size() + 1; }

@@ -23,7 +23,7 @@ class HugePages final : public std::pmr::memory_resource {
     const std::size_t boundary = bytes < huge || alignment > huge ? alignment : huge;
     ::operator delete (block, std::align_val_t{boundary});
   }
-  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
+  [[nodiscard]] bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
     return this == &other;
   }
 };

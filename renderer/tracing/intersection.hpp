@@ -45,7 +45,7 @@ struct Box {
     hi = max(hi, point);
   }
   /// Half of the surface; 0 for the empty box. Only ever compared, so half is enough.
-  float half_area() const {
+  [[nodiscard]] float half_area() const {
     if (!(lo.x <= hi.x)) return 0;
     const Vec3 d = hi - lo;
     return d.x * d.y + d.y * d.z + d.z * d.x;
@@ -116,7 +116,7 @@ struct Interval {
   float exit;
 
   /// Whether a hit at or before `limit` is possible in here.
-  bool reaches(float limit) const { return entry <= exit && entry <= limit; }
+  [[nodiscard]] bool reaches(float limit) const { return entry <= exit && entry <= limit; }
 };
 
 /// The part of `ray` inside `box` (Kay and Kajiya 1986). The exit is widened by four units in the

@@ -120,7 +120,7 @@ class ByLane {
 
   /// The thing in `lane` in every lane of a `To`, which is the same for other values.
   template <class To>
-  HWY_INLINE To one(int lane) const {
+  [[nodiscard]] HWY_INLINE To one(int lane) const {
     int field = 0;
     const auto next = [&]() HWY_ATTR { return typename To::Value(values_[field++][lane]); };
     return To::from(next);

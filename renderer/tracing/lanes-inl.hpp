@@ -34,7 +34,7 @@ struct Truths {
   hn::Mask<typename Layout::Tag> part[Layout::parts];
 
   /// Bit i is lane i.
-  HWY_INLINE std::uint32_t bits() const {
+  [[nodiscard]] HWY_INLINE std::uint32_t bits() const {
     std::uint32_t all = 0;
     for (int i = 0; i < Layout::parts; ++i) {
       alignas(8) std::uint8_t bytes[8] = {};

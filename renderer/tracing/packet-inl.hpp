@@ -47,11 +47,11 @@ struct Bundle {
   float least_inverse[3], most_inverse[3];
   int near_row[3];  ///< of WideNode::plane
 
-  bool one_origin() const {
+  [[nodiscard]] bool one_origin() const {
     return near_origin[0] == far_origin[0] && near_origin[1] == far_origin[1] &&
            near_origin[2] == far_origin[2];
   }
-  int far_row(int axis) const { return near_row[axis] < 3 ? axis + 3 : axis; }
+  [[nodiscard]] int far_row(int axis) const { return near_row[axis] < 3 ? axis + 3 : axis; }
 };
 
 /// Per axis, the lanes whose direction is negative.
@@ -99,12 +99,12 @@ struct Packet {
   }
 
   /// The lanes that have met a triangle.
-  HWY_INLINE Truths<N> met() const { return triangle != Indices<N>(no_triangle); }
+  [[nodiscard]] HWY_INLINE Truths<N> met() const { return triangle != Indices<N>(no_triangle); }
 
   /// The lanes with a ray that may meet something.
-  HWY_INLINE Truths<N> alive() const { return t >= F(0.0f); }
+  [[nodiscard]] HWY_INLINE Truths<N> alive() const { return t >= F(0.0f); }
 
-  HWY_INLINE SignLanes negative_lanes() const {
+  [[nodiscard]] HWY_INLINE SignLanes negative_lanes() const {
     const F zero(0.0f);
     return {{(inverse.x < zero).bits(), (inverse.y < zero).bits(), (inverse.z < zero).bits()}};
   }
@@ -144,7 +144,7 @@ class BundleBounds {
     }
   }
 
-  HWY_INLINE Bundle bundle() const {
+  [[nodiscard]] HWY_INLINE Bundle bundle() const {
     Bundle bundle;
     for (int axis = 0; axis < 3; ++axis) {
       bundle.least_inverse[axis] = least_of(least_[axis + 3]);

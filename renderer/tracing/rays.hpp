@@ -32,7 +32,7 @@ class LaneArray {
   T& operator[](std::size_t lane) { return data_[lane]; }
   const T& operator[](std::size_t lane) const { return data_[lane]; }
   T* data() { return data_.get(); }
-  const T* data() const { return data_.get(); }
+  [[nodiscard]] const T* data() const { return data_.get(); }
 
  private:
   static constexpr std::size_t alignment = 64;
@@ -82,12 +82,14 @@ struct Rays {
   LaneArray<float> weight_r, weight_g, weight_b;
   LaneArray<std::uint32_t> pixel;  ///< index into the frame buffer
 
-  Ray ray(std::uint32_t lane) const {
+  [[nodiscard]] Ray ray(std::uint32_t lane) const {
     return {{origin_x[lane], origin_y[lane], origin_z[lane]},
             {direction_x[lane], direction_y[lane], direction_z[lane]},
             t_max[lane]};
   }
-  Vec3 weight(std::uint32_t lane) const { return {weight_r[lane], weight_g[lane], weight_b[lane]}; }
+  [[nodiscard]] Vec3 weight(std::uint32_t lane) const {
+    return {weight_r[lane], weight_g[lane], weight_b[lane]};
+  }
 
   /// Appends a ray; `size < capacity` is the caller's to ensure.
   void add(const Ray& ray, Vec3 weight, std::uint32_t at_pixel) {

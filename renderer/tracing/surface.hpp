@@ -25,7 +25,7 @@ struct Surface {
   /// (Wächter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing
   /// Gems 2019, chapter 6). A triangle test loses some units of 2^-24 of the largest coordinate;
   /// 2^-17 of it leaves room for slender triangles.
-  Vec3 lifted(Vec3 other_end) const {
+  [[nodiscard]] Vec3 lifted(Vec3 other_end) const {
     const float reach =
         std::max({magnitude, std::abs(other_end.x), std::abs(other_end.y), std::abs(other_end.z)});
     return point + normal * (reach * 0x1p-17f);

@@ -71,8 +71,8 @@ class Events final : public virtual_cores::Tenant {
   std::uint64_t random() override { return parts.kernel.random(); }
   unsigned finished(unsigned core) override;
   void on_failure(const std::string& what, const void* pc) override;
-  std::uint64_t beats() const override { return parts.state.beats; }
-  bool patient(double seconds) const override;
+  [[nodiscard]] std::uint64_t beats() const override { return parts.state.beats; }
+  [[nodiscard]] bool patient(double seconds) const override;
   void spins(const void* pc, bool endless, double seconds) override;
 
   ExecutionParts parts;

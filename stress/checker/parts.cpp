@@ -180,7 +180,7 @@ class Parts {
     options_.progress(now);
   }
 
-  Result merged() const {
+  [[nodiscard]] Result merged() const {
     Result sum;
     sum.finished = true;
     std::uint64_t first = ~std::uint64_t{0};

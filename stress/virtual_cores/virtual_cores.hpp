@@ -224,9 +224,9 @@ class Module {
   ~Module();
 
   /// The address of an exported function or object. Throws std::runtime_error if there is none.
-  void* find(const std::string& symbol) const;
+  [[nodiscard]] void* find(const std::string& symbol) const;
   template <class F>
-  F* function(const std::string& symbol) const {
+  [[nodiscard]] F* function(const std::string& symbol) const {
     return reinterpret_cast<F*>(find(symbol));
   }
 

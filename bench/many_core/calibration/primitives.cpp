@@ -51,7 +51,7 @@ class Limit {
  public:
   // Waits for `done`; false if it took too long. To be asked often: it looks at the clock seldom.
   template <class Done>
-  bool await(Done done) const {
+  [[nodiscard]] bool await(Done done) const {
     for (unsigned i = 1; !done(); ++i) {
       if (i % looks == 0 && Clock::now() > end_) return false;
     }

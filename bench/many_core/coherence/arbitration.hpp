@@ -56,7 +56,7 @@ class Waiting {
   /// With `in_turn` nobody is served twice in a round.
   Waiting(unsigned sockets, bool in_turn) : sockets_(sockets), in_turn_(in_turn) {}
 
-  unsigned count() const { return count_; }
+  [[nodiscard]] unsigned count() const { return count_; }
 
   /// `request` must live until it is taken. Nobody is taken before `busy_until`.
   void add(Request& request, unsigned socket, Time busy_until) {
@@ -72,7 +72,9 @@ class Waiting {
   }
 
   /// The earliest moment when somebody is there; there must be a request.
-  Time earliest() const { return arrived_ != 0 ? 0 : under_way_.front().request->arrival; }
+  [[nodiscard]] Time earliest() const {
+    return arrived_ != 0 ? 0 : under_way_.front().request->arrival;
+  }
 
   /// Takes the request whose turn it is at `now`, not before `earliest()`. `near` is the socket
   /// that had the line last, or `nobody`.

@@ -13,18 +13,18 @@ inline constexpr unsigned nobody = ~0U;
 
 class CoreSet {
  public:
-  bool has(unsigned core) const { return (words_[core / 64] >> core % 64 & 1U) != 0; }
+  [[nodiscard]] bool has(unsigned core) const { return (words_[core / 64] >> core % 64 & 1U) != 0; }
   void add(unsigned core) { words_[core / 64] |= std::uint64_t{1} << core % 64; }
   void clear() { words_ = {}; }
 
   /// The lowest and the highest but `except`; `nobody` if there is none.
-  unsigned lowest(unsigned except) const {
+  [[nodiscard]] unsigned lowest(unsigned except) const {
     for (unsigned i = 0; i < words_.size(); ++i)
       if (const std::uint64_t word = without(except, i); word != 0)
         return 64 * i + static_cast<unsigned>(std::countr_zero(word));
     return nobody;
   }
-  unsigned highest(unsigned except) const {
+  [[nodiscard]] unsigned highest(unsigned except) const {
     for (auto i = static_cast<unsigned>(words_.size()); i-- > 0;)
       if (const std::uint64_t word = without(except, i); word != 0)
         return 64 * i + static_cast<unsigned>(std::bit_width(word)) - 1;
@@ -32,7 +32,7 @@ class CoreSet {
   }
 
  private:
-  std::uint64_t without(unsigned core, unsigned i) const {
+  [[nodiscard]] std::uint64_t without(unsigned core, unsigned i) const {
     return core / 64 == i ? words_[i] & ~(std::uint64_t{1} << core % 64) : words_[i];
   }
 

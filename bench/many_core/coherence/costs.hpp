@@ -50,11 +50,11 @@ class Topology {
     return profile.core_of(thread) * profile.smt + thread / profile.cores();
   }
 
-  Distance distance(unsigned a, unsigned b) const {
+  [[nodiscard]] Distance distance(unsigned a, unsigned b) const {
     const auto differ = static_cast<unsigned>(std::bit_width(paths_[a] ^ paths_[b]));
     return static_cast<Distance>((differ + level_bits - 1) / level_bits);
   }
-  unsigned socket(unsigned place) const {
+  [[nodiscard]] unsigned socket(unsigned place) const {
     return static_cast<unsigned>(paths_[place] >> 4 * level_bits);
   }
 

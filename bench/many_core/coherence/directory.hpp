@@ -18,7 +18,7 @@ class Directory {
   Directory(const Profile& profile, EventQueue& events, std::uint64_t seed);
 
   /// The line, or null if it was never used.
-  Line* find(std::uint64_t number) const {
+  [[nodiscard]] Line* find(std::uint64_t number) const {
     std::size_t at = slot_of(number);
     while (slots_[at].line != nullptr) {
       if (slots_[at].number == number) return slots_[at].line;
@@ -42,8 +42,8 @@ class Directory {
   /// Forgets what was noted of lines so far.
   void reset_statistics();
 
-  const std::deque<Line>& lines() const { return lines_; }
-  const Topology& topology() const { return mesi_.topology(); }
+  [[nodiscard]] const std::deque<Line>& lines() const { return lines_; }
+  [[nodiscard]] const Topology& topology() const { return mesi_.topology(); }
 
  private:
   struct Slot {
@@ -51,7 +51,7 @@ class Directory {
     Line* line = nullptr;
   };
 
-  std::size_t slot_of(std::uint64_t number) const {
+  [[nodiscard]] std::size_t slot_of(std::uint64_t number) const {
     return static_cast<std::size_t>(number * 0x9E3779B97F4A7C15U >> shift_);
   }
   void grow();

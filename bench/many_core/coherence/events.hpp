@@ -37,11 +37,11 @@ class EventQueue {
   EventQueue(const EventQueue&) = delete;
   EventQueue& operator=(const EventQueue&) = delete;
 
-  bool empty() const { return count_ == 0; }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
   /// The next event, which stays there. There must be one.
-  const Event& front() const { return *soon_.events[count_]; }
+  [[nodiscard]] const Event& front() const { return *soon_.events[count_]; }
   /// When the next event happens; `never` if there is none.
-  Time front_time() const { return soon_.times[count_]; }
+  [[nodiscard]] Time front_time() const { return soon_.times[count_]; }
 
   /// `event` must not be scheduled.
   void push(Event& event, Time time) {
@@ -104,7 +104,7 @@ class EventQueue {
     std::array<std::uint64_t, places + 1> orders{~std::uint64_t{0}};
     std::array<Event*, places + 1> events{};
 
-    bool is_before(std::size_t at, const Event& event) const {
+    [[nodiscard]] bool is_before(std::size_t at, const Event& event) const {
       return times[at] < event.time || (times[at] == event.time && orders[at] < event.order);
     }
     void put(std::size_t at, Event& event) {
@@ -122,14 +122,14 @@ class EventQueue {
   struct Entry {
     Key key;
     Event* event;
-    bool is_stale() const { return !event->scheduled || key_of(*event) != key; }
+    [[nodiscard]] bool is_stale() const { return !event->scheduled || key_of(*event) != key; }
   };
   struct IsLater {
     bool operator()(const Entry& a, const Entry& b) const { return a.key > b.key; }
   };
 
   // Whether the event's place is in the list.
-  bool is_soon(const Event& event) const { return key_of(event) < later_from_; }
+  [[nodiscard]] bool is_soon(const Event& event) const { return key_of(event) < later_from_; }
 
   void add_later(Event& event) {
     if (stale_ > spare + later_.size() / 2) {

@@ -62,8 +62,8 @@ struct alignas(line_bytes) Line {
     if (sharer_count != 0) sharers.clear();
     sharer_count = 0;
   }
-  bool is_invalid() const { return owner == nobody && sharer_count == 0; }
-  bool held_by(unsigned core) const { return owner == core || sharers.has(core); }
+  [[nodiscard]] bool is_invalid() const { return owner == nobody && sharer_count == 0; }
+  [[nodiscard]] bool held_by(unsigned core) const { return owner == core || sharers.has(core); }
   /// `core` is about to use it.
   void note_user(unsigned core) {
     only_mine = only_mine && (!used || last == core);

@@ -39,7 +39,7 @@ class Mesi {
  public:
   Mesi(const Profile& profile, std::uint64_t seed);
 
-  const Topology& topology() const { return topology_; }
+  [[nodiscard]] const Topology& topology() const { return topology_; }
   /// All randomness of the run.
   Random& random() { return random_; }
 
@@ -107,18 +107,18 @@ class Mesi {
   Time vary(Time time) {
     return time + time * (static_cast<Time>(random_.next() & 2047U) - 1024) / (1024 * share);
   }
-  const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const {
+  [[nodiscard]] const Way& way(unsigned from, unsigned to, unsigned home, bool clean) const {
     const bool remote = home != topology_.socket(to);
     return ways_[(remote ? 2U : 0U) + (clean ? 1U : 0U)]
                 [static_cast<std::size_t>(topology_.distance(from, to))];
   }
   // What `core` pays for the line where it is now.
-  const Way& way_to(const Line& line, unsigned core) const {
+  [[nodiscard]] const Way& way_to(const Line& line, unsigned core) const {
     if (line.owner != nobody) return way(line.owner, core, line.home, false);
     return line.last == nobody ? from_memory_ : way(line.last, core, line.home, true);
   }
   // Every other copy is given up; the farthest answer counts.
-  Time farthest_answer(const Line& line, unsigned core) const {
+  [[nodiscard]] Time farthest_answer(const Line& line, unsigned core) const {
     return std::max(way(line.sharers.lowest(core), core, line.home, false).data,
                     way(line.sharers.highest(core), core, line.home, false).data);
   }

@@ -70,7 +70,9 @@ class Accesses {
   }
 
  private:
-  Line* find(std::uintptr_t address) const { return state_.directory.find(address / line_bytes); }
+  [[nodiscard]] Line* find(std::uintptr_t address) const {
+    return state_.directory.find(address / line_bytes);
+  }
   Line& line_of(const Thread& me, std::uintptr_t address) {
     Line* line = find(address);
     return line != nullptr ? *line : new_line(me, address);

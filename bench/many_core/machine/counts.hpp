@@ -45,8 +45,8 @@ struct Measurement {
   Time begin = 0, end = 0;
   Counts counts;
 
-  bool covers(Time time) const { return time >= begin && time <= end; }
-  Time limit() const { return end + patience; }
+  [[nodiscard]] bool covers(Time time) const { return time >= begin && time <= end; }
+  [[nodiscard]] Time limit() const { return end + patience; }
   void note_wait(Cause cause, Time from, Time to) {
     counts.waited[static_cast<std::size_t>(cause)] +=
         std::max<Time>(0, std::min(to, end) - std::max(from, begin));

@@ -35,15 +35,17 @@ class Heap {
   void* allocate(unsigned thread, std::size_t size, std::size_t alignment, const void* pc,
                  Traffic& traffic);
   void release(unsigned thread, void* block, Traffic& traffic);
-  std::size_t size_of(const void* block) const;
+  [[nodiscard]] std::size_t size_of(const void* block) const;
 
-  bool owns(std::uintptr_t address) const { return address - begin_ < bytes_; }
+  [[nodiscard]] bool owns(std::uintptr_t address) const { return address - begin_ < bytes_; }
   /// Whose arena `address` is in.
-  unsigned arena_of(std::uintptr_t address) const {
+  [[nodiscard]] unsigned arena_of(std::uintptr_t address) const {
     return static_cast<unsigned>((address - begin_) / arena_bytes);
   }
   /// Whether `address` was never part of a block before `mark_used`.
-  bool is_fresh(std::uintptr_t address) const { return address >= arenas_[arena_of(address)].used; }
+  [[nodiscard]] bool is_fresh(std::uintptr_t address) const {
+    return address >= arenas_[arena_of(address)].used;
+  }
   /// All that was allocated so far is no longer fresh.
   void mark_used();
 
@@ -53,7 +55,7 @@ class Heap {
     const void* allocated_at = nullptr;
   };
   /// The block that `address` is in; slow.
-  Block describe(std::uintptr_t address) const;
+  [[nodiscard]] Block describe(std::uintptr_t address) const;
 
  private:
   static constexpr std::size_t arena_bytes = std::size_t{4} << 30U;

@@ -49,9 +49,9 @@ class Machine {
 
   // Within `body`.
   /// Whether time is up for the calling thread.
-  bool over() const { return clock() >= state_.measurement.end; }
+  [[nodiscard]] bool over() const { return clock() >= state_.measurement.end; }
   /// Where the calling thread is.
-  Time clock() const { return state_.current->clock; }
+  [[nodiscard]] Time clock() const { return state_.current->clock; }
   /// `ns` of work that no other thread can see or disturb.
   void work(double ns);
   /// The same, and then what the others have done meanwhile is done.
@@ -60,15 +60,17 @@ class Machine {
   void count_failure() { ++state_.current->failures; }
 
   /// Whether what happens at `time` is counted.
-  bool counts_at(Time time) const { return state_.measurement.covers(time); }
+  [[nodiscard]] bool counts_at(Time time) const { return state_.measurement.covers(time); }
   /// The latest moment that any thread has reached.
-  Time last_clock() const;
+  [[nodiscard]] Time last_clock() const;
 
-  std::uint64_t failures(unsigned thread) const { return state_.threads[thread].failures; }
+  [[nodiscard]] std::uint64_t failures(unsigned thread) const {
+    return state_.threads[thread].failures;
+  }
   /// Of all threads, from `count_from` on.
-  const Counts& counts() const { return state_.measurement.counts; }
-  const Directory& directory() const { return state_.directory; }
-  const Heap& heap() const { return heap_; }
+  [[nodiscard]] const Counts& counts() const { return state_.measurement.counts; }
+  [[nodiscard]] const Directory& directory() const { return state_.directory; }
+  [[nodiscard]] const Heap& heap() const { return heap_; }
 
  private:
   Heap heap_;

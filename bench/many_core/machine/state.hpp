@@ -19,7 +19,7 @@ struct State {
         current(threads.data()) {}
 
   /// Whether nothing else happens before the thread's next step, or before it is `ahead` of others.
-  bool is_next(const Thread& me, Time ahead) const {
+  [[nodiscard]] bool is_next(const Thread& me, Time ahead) const {
     return me.clock < me.deadline && me.clock - ahead < events.front_time();
   }
 

@@ -36,9 +36,9 @@ class StoreBuffer {
  public:
   static constexpr std::size_t places = 48;
 
-  bool empty() const { return count_ == 0; }
-  bool full() const { return count_ == places; }
-  std::size_t size() const { return count_; }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] bool full() const { return count_ == places; }
+  [[nodiscard]] std::size_t size() const { return count_; }
   PostedStore& first() { return stores_[first_]; }
   PostedStore& operator[](std::size_t i) { return stores_[(first_ + i) % places]; }
   PostedStore& add(const PostedStore& store) {

@@ -231,7 +231,7 @@ class Reader {
     }
   }
 
-  std::string text_of(std::string_view key) const {
+  [[nodiscard]] std::string text_of(std::string_view key) const {
     const auto found = json_.find(key);
     if (found == json_.end()) fail(key, "is missing; must be a text");
     if (!found->is_string() || found->get<std::string>().empty()) {
@@ -240,7 +240,7 @@ class Reader {
     return *found;
   }
 
-  unsigned count_of(const Json& topology, std::string_view key) const {
+  [[nodiscard]] unsigned count_of(const Json& topology, std::string_view key) const {
     const std::string full = "topology." + std::string(key);
     const auto found = topology.find(key);
     if (found == topology.end()) fail(full, "is missing; must be a count, at least 1");
@@ -273,7 +273,7 @@ class Reader {
       profile_.origins["topology"].source = *source;
   }
 
-  const Json* value_at(std::string_view key) const {
+  [[nodiscard]] const Json* value_at(std::string_view key) const {
     const auto dot = key.find('.');
     const Json* object = &json_;
     if (dot != std::string_view::npos) {
@@ -286,7 +286,7 @@ class Reader {
     return found == object->end() ? nullptr : &*found;
   }
 
-  double number(const Row& row, const Json& json) const {
+  [[nodiscard]] double number(const Row& row, const Json& json) const {
     const FigureEntry& entry = row.entry;
     const double value = json.is_number() ? json.get<double>() : NAN;
     // A number too large for a double is read as infinity.

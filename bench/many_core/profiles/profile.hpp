@@ -96,21 +96,29 @@ struct Profile {
   /// By the names of figures(): "transfer.same_cache".
   std::map<std::string, Origin, std::less<>> origins;
 
-  unsigned cores() const { return sockets * nodes_per_socket * caches_per_node * cores_per_cache; }
-  unsigned threads() const { return cores() * smt; }
+  [[nodiscard]] unsigned cores() const {
+    return sockets * nodes_per_socket * caches_per_node * cores_per_cache;
+  }
+  [[nodiscard]] unsigned threads() const { return cores() * smt; }
 
-  unsigned core_of(unsigned thread) const { return thread % cores(); }
-  unsigned cache_of(unsigned thread) const { return core_of(thread) / cores_per_cache; }
-  unsigned node_of(unsigned thread) const { return cache_of(thread) / caches_per_node; }
-  unsigned socket_of(unsigned thread) const { return node_of(thread) / nodes_per_socket; }
+  [[nodiscard]] unsigned core_of(unsigned thread) const { return thread % cores(); }
+  [[nodiscard]] unsigned cache_of(unsigned thread) const {
+    return core_of(thread) / cores_per_cache;
+  }
+  [[nodiscard]] unsigned node_of(unsigned thread) const {
+    return cache_of(thread) / caches_per_node;
+  }
+  [[nodiscard]] unsigned socket_of(unsigned thread) const {
+    return node_of(thread) / nodes_per_socket;
+  }
 
-  Distance distance(unsigned a, unsigned b) const;
+  [[nodiscard]] Distance distance(unsigned a, unsigned b) const;
   /// One way from `a` to `b`; 0 for a == b.
-  double transfer_between(unsigned a, unsigned b) const {
+  [[nodiscard]] double transfer_between(unsigned a, unsigned b) const {
     return transfer[static_cast<std::size_t>(distance(a, b))];
   }
   /// Whether this machine has two threads at that distance.
-  bool has(Distance distance) const;
+  [[nodiscard]] bool has(Distance distance) const;
 };
 
 /// One figure of a profile, as files and sensitivity name it.

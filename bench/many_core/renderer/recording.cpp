@@ -24,7 +24,7 @@ class NotedContributions final : public FrameBuffer {
     pixels.insert(pixels.end(), pixel, pixel + count);
   }
   void clear() override { pixels.clear(); }
-  Vec3 sum(std::uint32_t /*pixel*/) const override { return {}; }
+  [[nodiscard]] Vec3 sum(std::uint32_t /*pixel*/) const override { return {}; }
 
   std::vector<std::uint32_t> pixels;
 };

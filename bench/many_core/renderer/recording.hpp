@@ -30,8 +30,8 @@ struct Recording {
   double spread = 0;  ///< interquartile range over median of a frame's whole cost
 
   /// What one core needs for all tasks, queue and frame buffer left out.
-  double work_ns() const;
-  std::uint64_t rays() const;
+  [[nodiscard]] double work_ns() const;
+  [[nodiscard]] std::uint64_t rays() const;
 };
 
 /// Renders `workload` task by task, first come, first served, on the calling thread, `repetitions`

@@ -69,7 +69,7 @@ class Player final : public ReplayHost {
   };
 
   void choose_contributions();
-  bool counting() const { return !ends_.empty(); }
+  [[nodiscard]] bool counting() const { return !ends_.empty(); }
   void make();
   void check_conservation(Ending& ending) const;
 

@@ -189,7 +189,7 @@ class Builder {
   }
 
   /// The cheapest split, or none where the tree is too deep or nothing to split by is left.
-  Split split_of(const Range& range) const {
+  [[nodiscard]] Split split_of(const Range& range) const {
     if (range.depth >= wide_cost_depth) return {};
     return find_split(buffers_.of(range), range.count(), range.centers, measure_);
   }

@@ -92,7 +92,7 @@ class GroupTrace {
   }
 
   /// The packets of `members` with a lane that enters the child in `slot` before its hit.
-  HWY_INLINE unsigned enter(const WideNode& node, int slot, unsigned members) const {
+  [[nodiscard]] HWY_INLINE unsigned enter(const WideNode& node, int slot, unsigned members) const {
     const int* const near_row = bundle_.near_row;
     VecOf<F> near{F(node.plane[near_row[0]][slot]), F(node.plane[near_row[1]][slot]),
                   F(node.plane[near_row[2]][slot])};

@@ -37,7 +37,7 @@ class BlockBoxes {
  public:
   explicit BlockBoxes(const WideBlock& block) : block_(block) {}
 
-  const WideBlock& block() const { return block_; }
+  [[nodiscard]] const WideBlock& block() const { return block_; }
 
   HWY_INLINE Box box(int lane) { return {corner(lane, 0, 1, 2), corner(lane, 3, 4, 5)}; }
 
@@ -87,7 +87,9 @@ struct LaneSlab {
       : LaneSlab(broadcast<F>(near) - origin, broadcast<F>(far) - origin, inverse) {}
 
   /// The lanes that are inside before `limit`.
-  HWY_INLINE Truths<N> reaches(const F& limit) const { return entry <= lesser(exit, limit); }
+  [[nodiscard]] HWY_INLINE Truths<N> reaches(const F& limit) const {
+    return entry <= lesser(exit, limit);
+  }
 };
 
 /// irt::meet per lane; whether any lane has a new hit. With `any_hit` such a lane drops out.

@@ -30,7 +30,7 @@ struct KernelCode {
   MeetPackets<16> sixteen[2];
 
   template <int N>
-  MeetPackets<N> leaf(bool one_origin) const {
+  [[nodiscard]] MeetPackets<N> leaf(bool one_origin) const {
     if constexpr (N == 4) return four[one_origin];
     if constexpr (N == 8) return eight[one_origin];
     if constexpr (N == 16) return sixteen[one_origin];

@@ -50,8 +50,8 @@ class SingleRay {
   }
 
  private:
-  int far_row(int axis) const { return near_[axis] < 3 ? axis + 3 : axis; }
-  HWY_INLINE NodeFloats at(const WideNode& node, int row, int axis) const {
+  [[nodiscard]] int far_row(int axis) const { return near_[axis] < 3 ? axis + 3 : axis; }
+  [[nodiscard]] HWY_INLINE NodeFloats at(const WideNode& node, int row, int axis) const {
     return (NodeFloats::load(node.plane[row]) - origin_[axis]) * inverse_[axis];
   }
 

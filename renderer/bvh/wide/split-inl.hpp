@@ -47,7 +47,7 @@ struct alignas(32) SignedBox {
       hn::Store(hn::Min(hn::Load(d, of + i), hn::Load(d, other.of + i)), d, of + i);
     }
   }
-  Box box() const { return {{of[0], of[1], of[2]}, {-of[4], -of[5], -of[6]}}; }
+  [[nodiscard]] Box box() const { return {{of[0], of[1], of[2]}, {-of[4], -of[5], -of[6]}}; }
 };
 
 /// A triangle as the builder sees it: its box, and its number in the free lane.
@@ -59,10 +59,12 @@ struct Reference : SignedBox {
     of[3] = std::bit_cast<float>(triangle | of_normal_float);
     of[7] = 0;
   }
-  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(of[3]) & ~of_normal_float; }
+  [[nodiscard]] std::uint32_t triangle() const {
+    return std::bit_cast<std::uint32_t>(of[3]) & ~of_normal_float;
+  }
 
   /// Twice the centre, which costs less than the centre and is as good to split by.
-  HWY_INLINE FourFloats center() const {
+  [[nodiscard]] HWY_INLINE FourFloats center() const {
     return hn::Sub(hn::Load(Four(), of), hn::Load(Four(), of + 4));
   }
 
@@ -94,14 +96,14 @@ struct Range {
   Box box;
   CenterBounds centers;
 
-  std::uint32_t count() const { return end - begin; }
+  [[nodiscard]] std::uint32_t count() const { return end - begin; }
 };
 
 /// Half of a box's surface, in a unit of length in which nothing overflows.
 struct Measure {
   float unit = 1;
 
-  float half_area(const Box& box) const {
+  [[nodiscard]] float half_area(const Box& box) const {
     const Vec3 d = box.hi * unit - box.lo * unit;
     return d.x * d.y + d.y * d.z + d.z * d.x;
   }
@@ -112,8 +114,12 @@ class Buffers {
  public:
   explicit Buffers(std::uint32_t count) : data_{allocate(count), allocate(count)} {}
 
-  Reference* of(const Range& range) const { return data_[range.buffer].get() + range.begin; }
-  Reference* other(const Range& range) const { return data_[1 - range.buffer].get() + range.begin; }
+  [[nodiscard]] Reference* of(const Range& range) const {
+    return data_[range.buffer].get() + range.begin;
+  }
+  [[nodiscard]] Reference* other(const Range& range) const {
+    return data_[1 - range.buffer].get() + range.begin;
+  }
 
  private:
   struct Release {
@@ -210,7 +216,7 @@ struct Split {
   float left_area = 0, right_area = 0;
   Box left_box, right_box;
 
-  bool found() const { return axis >= 0; }
+  [[nodiscard]] bool found() const { return axis >= 0; }
 };
 
 /// Triangles per bin and axis with the boxes around them.
@@ -257,14 +263,14 @@ struct Bins {
   }
 
   /// The references left of `split`.
-  std::uint32_t left_of(const Split& split) const {
+  [[nodiscard]] std::uint32_t left_of(const Split& split) const {
     std::int32_t left = 0;
     for (int bin = 0; bin < split.plane; ++bin) left += count[Binning::place(bin, split.axis)];
     return static_cast<std::uint32_t>(left);
   }
 
   /// The plane of least cost: surface times number of blocks on either side.
-  Split best(const Binning& binning, const Measure& measure) const {
+  [[nodiscard]] Split best(const Binning& binning, const Measure& measure) const {
     Split split;
     split.binning = binning;
     sweep(split, measure);
@@ -290,7 +296,7 @@ struct Bins {
     ++count[place];
   }
 
-  Box box_of(int first_bin, int end, int axis) const {
+  [[nodiscard]] Box box_of(int first_bin, int end, int axis) const {
     SignedBox all = SignedBox::empty();
     for (int bin = first_bin; bin < end; ++bin) all.add(box[Binning::place(bin, axis)]);
     return all.box();
@@ -313,7 +319,7 @@ struct Bins {
       count = hn::Add(count, hn::Load(FourInts(), bins.count + Binning::place(bin, 0)));
     }
     /// Half of the surface times the number of blocks.
-    HWY_INLINE FourFloats cost(FourFloats unit) const {
+    [[nodiscard]] HWY_INLINE FourFloats cost(FourFloats unit) const {
       const FourFloats a = extent(0, unit), b = extent(1, unit), c = extent(2, unit);
       // From the extents of each box to those of all boxes along x, y and z.
       const Four d;
@@ -331,7 +337,7 @@ struct Bins {
 
    private:
     /// Negative, which a product of two of them does not show.
-    HWY_INLINE FourFloats extent(int axis, FourFloats unit) const {
+    [[nodiscard]] HWY_INLINE FourFloats extent(int axis, FourFloats unit) const {
       return hn::Add(hn::Mul(upper_[axis], unit), hn::Mul(lower_[axis], unit));
     }
 

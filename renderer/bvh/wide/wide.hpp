@@ -30,11 +30,11 @@ class Wide final : public Accelerator {
   void any_hit(const Rays& rays, std::span<std::uint8_t> occluded,
                TraceProfile* profile = nullptr) const override;
 
-  std::size_t memory_bytes() const override { return bvh_.memory_bytes(); }
+  [[nodiscard]] std::size_t memory_bytes() const override { return bvh_.memory_bytes(); }
   bool refit(const Mesh& mesh, Executor& executor) override;
-  double sah_cost() const override { return bvh_.sah_cost; }
+  [[nodiscard]] double sah_cost() const override { return bvh_.sah_cost; }
 
-  const WideBvh& bvh() const { return bvh_; }
+  [[nodiscard]] const WideBvh& bvh() const { return bvh_; }
 
  private:
   WideWay way_;

@@ -32,13 +32,17 @@ class WideChild {
   }
   constexpr WideChild() = default;
 
-  constexpr bool is_leaf() const { return (bits_ & leaf_bit) != 0; }
-  constexpr std::uint32_t node() const { return bits_; }
-  constexpr std::uint32_t first_block() const { return bits_ & ((1u << count_shift) - 1); }
+  [[nodiscard]] constexpr bool is_leaf() const { return (bits_ & leaf_bit) != 0; }
+  [[nodiscard]] constexpr std::uint32_t node() const { return bits_; }
+  [[nodiscard]] constexpr std::uint32_t first_block() const {
+    return bits_ & ((1u << count_shift) - 1);
+  }
   /// Triangles in the leaf, in [1, wide_most_in_leaf].
-  constexpr std::uint32_t count() const { return ((bits_ & ~leaf_bit) >> count_shift) + 1; }
+  [[nodiscard]] constexpr std::uint32_t count() const {
+    return ((bits_ & ~leaf_bit) >> count_shift) + 1;
+  }
   /// The same child after its nodes and blocks have moved.
-  constexpr WideChild moved(std::uint32_t nodes, std::uint32_t blocks) const {
+  [[nodiscard]] constexpr WideChild moved(std::uint32_t nodes, std::uint32_t blocks) const {
     return WideChild(bits_ + (is_leaf() ? blocks : nodes));
   }
 
@@ -116,11 +120,11 @@ struct WideBvh {
   double sah_cost = 0;
   Box box;  ///< around everything
 
-  WideLeaf leaf(WideChild child) const {
+  [[nodiscard]] WideLeaf leaf(WideChild child) const {
     return {blocks.data() + child.first_block(), child.count()};
   }
 
-  std::size_t memory_bytes() const {
+  [[nodiscard]] std::size_t memory_bytes() const {
     return nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(WideBlock);
   }
 };

@@ -46,7 +46,7 @@ struct Paints {
     add_material(s, "book, cream", {0.68f, 0.63f, 0.5f});
     return add_material(s, "book, black", {0.09f, 0.08f, 0.09f});
   }
-  int book_colours() const { return static_cast<int>(last_book - books) + 1; }
+  [[nodiscard]] int book_colours() const { return static_cast<int>(last_book - books) + 1; }
 };
 
 void add_shell(Mesh& mesh, const Paints& paint) {

@@ -19,15 +19,17 @@ class Samples {
     }
   }
 
-  std::size_t index(int x, int y, int z) const {
+  [[nodiscard]] std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) +
             static_cast<std::size_t>(y)) *
                static_cast<std::size_t>(size_[0]) +
            static_cast<std::size_t>(x);
   }
-  std::size_t count() const { return values_.size(); }
+  [[nodiscard]] std::size_t count() const { return values_.size(); }
   float operator[](std::size_t at) const { return values_[at]; }
-  Vec3 position(float x, float y, float z) const { return grid_.lo + Vec3{x, y, z} * grid_.cell; }
+  [[nodiscard]] Vec3 position(float x, float y, float z) const {
+    return grid_.lo + Vec3{x, y, z} * grid_.cell;
+  }
 
  private:
   static constexpr int block = 4;

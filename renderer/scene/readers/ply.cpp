@@ -130,9 +130,11 @@ class Body {
   double next(Type type) { return format_ == Format::ascii ? next_text() : next_binary(type); }
 
   /// The fewest bytes that a value of `type` takes.
-  std::size_t least_size(Type type) const { return format_ == Format::ascii ? 1 : size_of(type); }
+  [[nodiscard]] std::size_t least_size(Type type) const {
+    return format_ == Format::ascii ? 1 : size_of(type);
+  }
 
-  std::size_t remaining() const { return bytes_.size(); }
+  [[nodiscard]] std::size_t remaining() const { return bytes_.size(); }
 
  private:
   double next_text() {

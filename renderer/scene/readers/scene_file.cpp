@@ -26,7 +26,7 @@ struct Node {
   Node operator[](const char* key) const {
     return {value.at(key), where.empty() ? key : where + "." + key};
   }
-  bool has(const char* key) const { return value.contains(key); }
+  [[nodiscard]] bool has(const char* key) const { return value.contains(key); }
   [[noreturn]] void fail(std::string_view wanted) const {
     throw SceneError(fmt::format("{} {}", where.empty() ? "the file" : where, wanted));
   }
@@ -139,7 +139,7 @@ class SceneBuilder {
   }
 
   /// The index of a material that the file defines.
-  std::uint32_t material(const Node& node) const {
+  [[nodiscard]] std::uint32_t material(const Node& node) const {
     const std::string name = to_string(node);
     const auto index = find(name);
     if (index == named_)
@@ -148,7 +148,7 @@ class SceneBuilder {
   }
 
   /// The index of the file's material of that name; `named_` if it has none.
-  std::uint32_t find(std::string_view name) const {
+  [[nodiscard]] std::uint32_t find(std::string_view name) const {
     const auto named = std::span(scene_.materials).first(named_);
     return static_cast<std::uint32_t>(std::ranges::find(named, name, &Material::name) -
                                       named.begin());
@@ -204,7 +204,7 @@ class SceneBuilder {
     }
   }
 
-  std::vector<PointLight> lights(const Bounds& bounds) const {
+  [[nodiscard]] std::vector<PointLight> lights(const Bounds& bounds) const {
     std::vector<PointLight> result;
     for_each(file_, "lights", 64, [&](const Node& node) {
       check_keys(node, {"position"}, {"intensity"});
@@ -215,7 +215,7 @@ class SceneBuilder {
     return result.empty() ? derived_lights(bounds) : result;
   }
 
-  Camera camera(const Bounds& bounds) const {
+  [[nodiscard]] Camera camera(const Bounds& bounds) const {
     if (!file_.has("camera")) return derived_camera(bounds);
     const Node node = file_["camera"];
     check_keys(node, {"eye", "target"}, {"up", "vertical_fov"});
