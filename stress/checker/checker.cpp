@@ -1,9 +1,9 @@
 #include "stress/checker/checker.hpp"
 
-#include <chrono>
 #include <fmt/format.h>
 #include <memory>
 
+#include "stress/checker/deadline.hpp"
 #include "stress/checker/depth_first.hpp"
 #include "stress/checker/dpor.hpp"
 #include "stress/checker/exchange.hpp"
@@ -110,7 +110,7 @@ class Exploration {
             (options_.stops && options_.stops(made_)))
           return std::move(result_);
         if (!goes_on()) {
-          result_.seconds = elapsed();
+          result_.seconds = stopwatch_.seconds();
           return std::move(result_);
         }
       }
@@ -119,17 +119,11 @@ class Exploration {
     }
     result_.finished = result_.incomplete.empty();
     result_.explored = result_.finished ? 1 : result_.explored;
-    result_.seconds = elapsed();
+    result_.seconds = stopwatch_.seconds();
     return std::move(result_);
   }
 
  private:
-  using Stopwatch = std::chrono::steady_clock;
-
-  [[nodiscard]] double elapsed() const {
-    return std::chrono::duration<double>(Stopwatch::now() - start_).count();
-  }
-
   void begin_anew() {
     exchange_.reset();
     if (may_exchange(program_, options_) && result_.uneven.empty())
@@ -140,7 +134,7 @@ class Exploration {
   }
 
   void tell() {
-    result_.seconds = elapsed();
+    result_.seconds = stopwatch_.seconds();
     result_.explored = strategy_->explored();
     if (!options_.progress || result_.seconds < told_.seconds + 2) return;
     const double rate =
@@ -207,7 +201,7 @@ class Exploration {
   const Program& program_;
   const Options& options_;
   Execution& execution_;
-  Stopwatch::time_point start_ = Stopwatch::now();
+  Stopwatch stopwatch_;
   unsigned budget_ = 0;
   std::optional<Exchange> exchange_;
   std::unique_ptr<Strategy> strategy_;

@@ -1,9 +1,20 @@
-/// The time by which a search is to be done.
+/// How long a search has taken, and the time by which it is to be done.
 #pragma once
 
 #include <chrono>
 
 namespace irt::checker {
+
+class Stopwatch {
+ public:
+  /// Since this object was made.
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 class Deadline {
  public:

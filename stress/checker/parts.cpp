@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <poll.h>
 #include <sched.h>
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "stress/checker/child.hpp"
+#include "stress/checker/deadline.hpp"
 #include "stress/checker/result_bytes.hpp"
 
 namespace irt::checker {
@@ -154,7 +154,7 @@ class Parts {
   void watch(std::size_t number) {
     Part& part = parts_[number];
     const std::uint64_t made = shared_->parts[number].made.load(std::memory_order_relaxed);
-    const double now = seconds();
+    const double now = stopwatch_.seconds();
     if (made != part.made || now < options_.seconds) {
       part.made = made;
       part.since = now;
@@ -166,8 +166,8 @@ class Parts {
   }
 
   void tell() {
-    if (!options_.progress || seconds() < told_.seconds + 2) return;
-    SearchProgress now{.seconds = seconds()};
+    if (!options_.progress || stopwatch_.seconds() < told_.seconds + 2) return;
+    SearchProgress now{.seconds = stopwatch_.seconds()};
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       const Told& part = shared_->parts[i];
       now.executions += part.made;
@@ -213,7 +213,7 @@ class Parts {
     std::ranges::sort(sum.histories);
     sum.histories.erase(std::unique(sum.histories.begin(), sum.histories.end()),
                         sum.histories.end());
-    sum.seconds = seconds();
+    sum.seconds = stopwatch_.seconds();
     return sum;
   }
 
@@ -221,14 +221,11 @@ class Parts {
     return "part " + std::to_string(number) + " of " + std::to_string(parts_.size()) +
            " of the search";
   }
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
 
   const Options& options_;
   SharedMemory shared_{};
   std::vector<Part> parts_{};
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch stopwatch_{};
   SearchProgress told_{};
 };
 

@@ -1,7 +1,6 @@
 #include "stress/checker/queue_check.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <functional>
 #include <map>
@@ -11,6 +10,7 @@
 
 #include "stress/checker/all_clients.hpp"
 #include "stress/checker/batteries.hpp"
+#include "stress/checker/deadline.hpp"
 #include "stress/checker/generated_shapes.hpp"
 #include "stress/checker/parking.hpp"
 #include "stress/checker/result_bytes.hpp"
@@ -173,8 +173,7 @@ class QueueCheck {
   /// Queues that are to be aged by 2^32 pairs need the most of the time for that.
   [[nodiscard]] double left(double part) const {
     if (settings_.old && part < until::aged) part *= 0.2;
-    return part * settings_.seconds -
-           std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return part * settings_.seconds - stopwatch_.seconds();
   }
   /// Of what is left by then, for one of so many searches.
   [[nodiscard]] double share(double part, std::size_t searches) const {
@@ -426,7 +425,7 @@ class QueueCheck {
   const std::string command_;
   ShapeSearch searches_;
   bool clocked_;  ///< calls are ordered by a clock
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch stopwatch_;
   QueueResult all_;
 };
 

@@ -1,11 +1,11 @@
 #include "stress/checker/shape_search.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <fstream>
 #include <utility>
 
+#include "stress/checker/deadline.hpp"
 #include "stress/checker/parts.hpp"
 #include "stress/checker/progress.hpp"
 #include "stress/checker/queue_client.hpp"
@@ -15,8 +15,6 @@
 namespace irt::checker {
 
 namespace {
-
-using Stopwatch = std::chrono::steady_clock;
 
 std::string report_of(QueueClient& client, const Options& options, const Result& result,
                       virtual_cores::Module& module, const std::string& command) {
@@ -74,7 +72,7 @@ bool ShapeSearch::is_new(const Finding& finding) {
 
 void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bounds,
                          const std::function<void(ShapeResult)>& found) {
-  const auto start = Stopwatch::now();
+  const Stopwatch stopwatch;
   QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_, bounds.clocked,
                      aged_);
   Options options = settings_.options;
@@ -91,7 +89,7 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
   if (options.limits.failing_allocations != settings_.options.limits.failing_allocations)
     command += fmt::format(" --failing-allocations {}", options.limits.failing_allocations);
   for (;;) {
-    const double spent = std::chrono::duration<double>(Stopwatch::now() - start).count();
+    const double spent = stopwatch.seconds();
     options.seconds = std::max(bounds.seconds - spent, 0.01);
     if (settings_.keep_going) options.known = known_;
     const Result before =
@@ -118,7 +116,7 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
 }
 
 ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
-  const auto start = Stopwatch::now();
+  const Stopwatch stopwatch;
   QueueClient client(entry_, parse_shape(text), settings_.capacity, &module_);
   ShapeResult shape{.shape = text, .search = stalls_search};
   const ProgressResult stalls = check_progress(
@@ -131,7 +129,7 @@ ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
         shape.report = heading(finding, symbols) + picture(execution, client.operations(), symbols);
       });
   shape.result.executions = stalls.executions;
-  shape.result.seconds = std::chrono::duration<double>(Stopwatch::now() - start).count();
+  shape.result.seconds = stopwatch.seconds();
   shape.result.finished = stalls.finished;
   shape.result.incomplete = stalls.incomplete;
   shape.result.incomplete_at = stalls.incomplete_at;
