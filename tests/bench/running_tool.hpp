@@ -47,13 +47,13 @@ class RunningTool {
   void signal(int number) const { kill(child_, number); }
 
   /// Its exit code; 1000 more than the signal that ended it.
-  int wait() const {
+  [[nodiscard]] int wait() const {
     int status = 0;
     waitpid(child_, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   }
-  std::string out() const { return contents(directory_ / "out"); }
-  std::string err() const { return contents(directory_ / "err"); }
+  [[nodiscard]] std::string out() const { return contents(directory_ / "out"); }
+  [[nodiscard]] std::string err() const { return contents(directory_ / "err"); }
 
  private:
   TemporaryDirectory directory_;

@@ -77,8 +77,8 @@ struct Sweep : testing::Test {
   std::filesystem::path out = directory / "out";
   Arguments quick{"contention", "--seconds", "0.02", "--warmup", "0.06", "--out", out};
 
-  json runs() const { return json_of(out / "contention.json"); }
-  std::size_t lines() const {
+  [[nodiscard]] json runs() const { return json_of(out / "contention.json"); }
+  [[nodiscard]] std::size_t lines() const {
     const std::string text = contents(out / "contention.jsonl");
     return static_cast<std::size_t>(std::ranges::count(text, '\n'));
   }

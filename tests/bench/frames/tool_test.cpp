@@ -256,7 +256,7 @@ struct CompareTest : testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
-  std::size_t lines() const {
+  [[nodiscard]] std::size_t lines() const {
     const std::string text = contents(out / "runs.jsonl");
     return static_cast<std::size_t>(std::ranges::count(text, '\n'));
   }

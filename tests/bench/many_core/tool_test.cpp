@@ -13,11 +13,11 @@ namespace fs = std::filesystem;
 
 class SimulateTest : public testing::Test {
  protected:
-  Arguments sweep(const std::string& queues) const {
+  [[nodiscard]] Arguments sweep(const std::string& queues) const {
     return {"--machine", "granite-rapids-96", "--queue", queues,  "--cores", "1,2", "--time",
             "0.02",      "--seeds",           "2",       "--out", out_};
   }
-  nlohmann::json runs() const { return json_of(out_ / "simulate.json"); }
+  [[nodiscard]] nlohmann::json runs() const { return json_of(out_ / "simulate.json"); }
 
   TemporaryDirectory directory_;
   fs::path out_ = directory_ / "out";

@@ -34,7 +34,7 @@ class Browser {
   void click(double x, double y);
 
   /// Errors of the console, exceptions and requests to a network since the page was opened.
-  const std::vector<std::string>& complaints() const { return complaints_; }
+  [[nodiscard]] const std::vector<std::string>& complaints() const { return complaints_; }
 
   std::string screenshot(bool whole_page);  ///< a PNG in base64
   std::string print();                      ///< a PDF in base64

@@ -29,9 +29,9 @@ class BruteForce final : public Accelerator {
     if (profile != nullptr) profile->intersect_ns += rays.size;
   }
 
-  std::size_t memory_bytes() const override { return 0; }
+  [[nodiscard]] std::size_t memory_bytes() const override { return 0; }
 
-  Hit trace(const Ray& ray) const {
+  [[nodiscard]] Hit trace(const Ray& ray) const {
     Hit first;
     first.t = ray.t_max;
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {

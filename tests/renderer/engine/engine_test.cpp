@@ -24,7 +24,7 @@ struct EngineTest : testing::Test {
   Mesh empty;
   BruteForce accelerator{empty};
 
-  EngineOptions options(unsigned threads, Termination termination) const {
+  [[nodiscard]] EngineOptions options(unsigned threads, Termination termination) const {
     return {
         .threads = threads, .rays_per_task = 64, .termination = termination, .queue_capacity = 512};
   }

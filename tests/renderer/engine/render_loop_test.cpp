@@ -39,7 +39,7 @@ class Host {
   std::vector<Job*>& overflow() { return kept; }
   std::atomic<bool>& idle() { return is_idle; }
   std::atomic<std::int64_t>& outstanding() { return count; }
-  bool leaves_when_empty() const { return leaves; }
+  [[nodiscard]] bool leaves_when_empty() const { return leaves; }
   bool tasks_are_lost() { return ++looks > 0; }
 
   std::span<Job> answer(Job& job, bool first_time) {

@@ -47,7 +47,9 @@ class TreeCount final : public Application {
   }
   void finish_frame() override { ++frames; }
 
-  std::uint64_t rays() const { return std::uint64_t{roots_} * (roots_ + 1) / 2 * (2 * depth_ + 1); }
+  [[nodiscard]] std::uint64_t rays() const {
+    return std::uint64_t{roots_} * (roots_ + 1) / 2 * (2 * depth_ + 1);
+  }
 
   std::atomic<std::uint64_t> count{0};
   std::uint64_t throw_at = 0;

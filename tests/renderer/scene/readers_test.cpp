@@ -29,7 +29,7 @@ class Bytes {
     text_.append(raw, sizeof value);
     return *this;
   }
-  const std::string& text() const { return text_; }
+  [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
   bool big_endian_;

@@ -36,7 +36,7 @@ struct Stage {
   std::unique_ptr<Shader> shader;
   ImageRendering application;
 
-  EngineOptions options(unsigned threads, Termination termination) const {
+  [[nodiscard]] EngineOptions options(unsigned threads, Termination termination) const {
     return {.threads = threads, .rays_per_task = rays_per_task, .termination = termination};
   }
   std::uint64_t hash(const EngineOptions& options, const QueueEntry& queue) {

@@ -20,7 +20,7 @@ class PosixKey {
   PosixKey& operator=(const PosixKey&) = delete;
   ~PosixKey() { pthread_key_delete(key_); }
 
-  void* get() const { return pthread_getspecific(key_); }
+  [[nodiscard]] void* get() const { return pthread_getspecific(key_); }
   void set(void* value) const { pthread_setspecific(key_, value); }
 
  private:
@@ -34,7 +34,7 @@ class C11Key {
   C11Key& operator=(const C11Key&) = delete;
   ~C11Key() { tss_delete(key_); }
 
-  void* get() const { return tss_get(key_); }
+  [[nodiscard]] void* get() const { return tss_get(key_); }
   void set(void* value) const { tss_set(key_, value); }
 
  private:

@@ -47,7 +47,7 @@ class Litmus : public testing::Test {
     return explored;
   }
 
-  std::map<std::string, const irt::litmus::Program*> programs() const {
+  [[nodiscard]] std::map<std::string, const irt::litmus::Program*> programs() const {
     const auto programs_of =
         module_.function<const irt::litmus::Program*(unsigned, unsigned*)>("irt_litmus_programs");
     std::map<std::string, const irt::litmus::Program*> result;

@@ -22,7 +22,7 @@ class ByDefinition {
     for (std::uint32_t l = 0; l < graph.locations(); ++l) add_accesses(l);
   }
 
-  bool order_exists() const {
+  [[nodiscard]] bool order_exists() const {
     const std::size_t count = nodes_.size();
     std::vector<std::vector<bool>> before(count, std::vector<bool>(count));
     for (std::size_t a = 0; a < count; ++a)
@@ -54,7 +54,7 @@ class ByDefinition {
         accesses_.push_back({read, l, 2 * place_of(graph_, graph_.event(read).from) + 1});
   }
 
-  bool strongly_happens_before(EventId a, EventId b) const {
+  [[nodiscard]] bool strongly_happens_before(EventId a, EventId b) const {
     const Event& first = graph_.event(a);
     const Event& second = graph_.event(b);
     if (first.thread == second.thread) return first.index < second.index;
@@ -62,18 +62,18 @@ class ByDefinition {
   }
 
   /// Whether `node` is `access`, or a fence that happens before it (or after it).
-  bool stands_before(EventId node, EventId access) const {
+  [[nodiscard]] bool stands_before(EventId node, EventId access) const {
     const Event& event = graph_.event(access);
     return node == access ||
            (graph_.event(node).kind == EventKind::fence && event.kind != EventKind::initial &&
             happens_before(graph_.event(node), event.after));
   }
-  bool stands_behind(EventId node, EventId access) const {
+  [[nodiscard]] bool stands_behind(EventId node, EventId access) const {
     return node == access || (graph_.event(node).kind == EventKind::fence &&
                               happens_before(graph_.event(access), graph_.event(node).after));
   }
 
-  bool coherence_ordered_before(EventId a, EventId b) const {
+  [[nodiscard]] bool coherence_ordered_before(EventId a, EventId b) const {
     for (const Access& x : accesses_)
       for (const Access& y : accesses_)
         if (x.location == y.location && x.position < y.position && stands_before(a, x.id) &&

@@ -144,7 +144,7 @@ class Literal {
   Literal(const Calls& calls, const Claims& claims, std::size_t capacity)
       : calls_(calls), all_(calls.all()), claims_(claims), capacity_(capacity) {}
 
-  bool accepts() const {
+  [[nodiscard]] bool accepts() const {
     if (!elements_are_right()) return false;
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (all_[i].kind == Kind::full && !claims_.bounded) return false;
@@ -178,25 +178,25 @@ class Literal {
   }
 
  private:
-  bool fifo() const { return claims_.ordering >= Ordering::fifo_happens_before; }
-  Answer full() const {
+  [[nodiscard]] bool fifo() const { return claims_.ordering >= Ordering::fifo_happens_before; }
+  [[nodiscard]] Answer full() const {
     if (claims_.full != Answer::by_ordering) return claims_.full;
     return fifo() ? Answer::exact : Answer::calls_in_flight;
   }
-  Answer empty() const {
+  [[nodiscard]] Answer empty() const {
     if (claims_.empty != Answer::by_ordering) return claims_.empty;
     return fifo() ? Answer::exact : Answer::calls_in_flight;
   }
-  unsigned owner(Element e) const {
+  [[nodiscard]] unsigned owner(Element e) const {
     for (const Call& c : all_)
       if (c.kind == Kind::push && c.value == e) return c.worker;
     return ~0U;
   }
-  bool overlap(std::size_t a, std::size_t b) const {
+  [[nodiscard]] bool overlap(std::size_t a, std::size_t b) const {
     return a != b && !calls_.precedes(a, b) && !calls_.precedes(b, a);
   }
 
-  bool elements_are_right() const {
+  [[nodiscard]] bool elements_are_right() const {
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (all_[i].kind != Kind::push && all_[i].kind != Kind::pop) continue;
       std::size_t pushes = 0, pops = 0;
@@ -212,7 +212,7 @@ class Literal {
     return true;
   }
 
-  bool excused_full(std::size_t at) const {
+  [[nodiscard]] bool excused_full(std::size_t at) const {
     std::size_t places = 0;
     std::set<unsigned> refused;
     for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -229,7 +229,7 @@ class Literal {
     return places + refused.size() >= capacity_;
   }
 
-  bool excused_empty(std::size_t at) const {
+  [[nodiscard]] bool excused_empty(std::size_t at) const {
     for (std::size_t push = 0; push < all_.size(); ++push) {
       if (all_[push].kind != Kind::push || !calls_.precedes(push, at)) continue;
       for (std::size_t pop = 0; pop < all_.size(); ++pop) {
@@ -257,8 +257,9 @@ class Literal {
   }
 
   // Every permutation, without memory.
-  bool some_order(std::uint64_t passes, const std::function<bool(const Call&)>& counts,
-                  const std::function<bool(std::size_t)>& answers) const {
+  [[nodiscard]] bool some_order(std::uint64_t passes,
+                                const std::function<bool(const Call&)>& counts,
+                                const std::function<bool(std::size_t)>& answers) const {
     std::vector<bool> done(all_.size(), false);
     std::vector<Element> held;
     const std::function<bool(std::size_t)> go = [&](std::size_t left) {

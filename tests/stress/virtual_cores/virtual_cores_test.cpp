@@ -92,7 +92,7 @@ class Rotating : public vc::Tenant {
   unsigned modifications = 0, waits = 0, allocations = 0, releases = 0;
 
  private:
-  unsigned next() const {
+  [[nodiscard]] unsigned next() const {
     for (unsigned i = 1; i <= done_.size(); ++i) {
       const unsigned core = (cores.current() + i) % static_cast<unsigned>(done_.size());
       if (!done_[core]) return core;
