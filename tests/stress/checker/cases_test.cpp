@@ -17,7 +17,7 @@ TEST_F(Cases, broken_ones_are_found_as_what_they_are) {
     FindingKind kind{};
     const QueueResult result = check(c.queue, 60);
     const std::string found = finding_of(result, &kind);
-    EXPECT_TRUE(result.found && std::find(c.right.begin(), c.right.end(), kind) != c.right.end())
+    EXPECT_TRUE(result.found && std::ranges::find(c.right, kind) != c.right.end())
         << c.queue << ": " << found;
   }
 }

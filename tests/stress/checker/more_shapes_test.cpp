@@ -23,11 +23,11 @@ std::vector<Shape> generated(const Claims& claims, std::uint64_t seed, unsigned 
 }
 
 bool any(const std::vector<Shape>& shapes, bool (*is)(const Shape&)) {
-  return std::any_of(shapes.begin(), shapes.end(), is);
+  return std::ranges::any_of(shapes, is);
 }
 
 bool both_in_one_thread(const Shape& shape) {
-  return std::any_of(shape.threads.begin(), shape.threads.end(), [](const std::string& thread) {
+  return std::ranges::any_of(shape.threads, [](const std::string& thread) {
     return thread.find('E') != std::string::npos && thread.find('D') != std::string::npos;
   });
 }
@@ -65,8 +65,8 @@ TEST(GeneratedShapes, grow_and_vary) {
   EXPECT_TRUE(any(shapes, [](const Shape& s) { return s.age > 60'000; }));
   EXPECT_TRUE(any(shapes, leaves_inside));
   for (const std::size_t capacity : {1U, 2U, 3U, 5U})
-    EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(),
-                            [capacity](const Shape& s) { return s.capacity == capacity; }));
+    EXPECT_TRUE(
+        std::ranges::any_of(shapes, [capacity](const Shape& s) { return s.capacity == capacity; }));
   EXPECT_TRUE(
       any(shapes, [](const Shape& s) { return to_string(s).find('W') != s.prologue.npos; }));
 }
@@ -87,7 +87,7 @@ TEST(GeneratedShapes, call_the_optional_methods_and_leave_nobody_waiting) {
       EXPECT_FALSE(may_starve(shape, claims)) << to_string(shape);
     }
     for (const char letter : {'P', 'L', 'C', 'B', 'G', 'D', 'E'})
-      EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) {
+      EXPECT_TRUE(std::ranges::any_of(shapes, [&](const Shape& s) {
         return to_string(s).find(letter) != std::string::npos;
       })) << letter;
   }
@@ -125,8 +125,8 @@ TEST(AllClients, keep_to_the_claims) {
     EXPECT_LE(shape.capacity, 4U);
   }
   const std::vector<std::string> clients = all_clients(single, 4);
-  EXPECT_NE(std::find(clients.begin(), clients.end(), "EE|DD@2"), clients.end());
-  EXPECT_EQ(std::find(clients.begin(), clients.end(), "E|E@1"), clients.end());
+  EXPECT_NE(std::ranges::find(clients, "EE|DD@2"), clients.end());
+  EXPECT_EQ(std::ranges::find(clients, "E|E@1"), clients.end());
 }
 
 }  // namespace

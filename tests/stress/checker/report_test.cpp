@@ -176,7 +176,7 @@ TEST(History, shows_of_many_calls_alike_the_first_and_the_last) {
   for (const char* part : {"push 301", "push 303", "and 34 more", "push 341 -> full", "push 370"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   EXPECT_EQ(text.find("push 310"), std::string::npos) << text;
-  EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 20) << text;
+  EXPECT_LT(std::ranges::count(text, '\n'), 20) << text;
 }
 
 TEST(Fold, leaves_what_does_not_repeat) {

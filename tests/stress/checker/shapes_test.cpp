@@ -92,12 +92,12 @@ TEST(Batteries, try_rings_of_sizes_that_are_no_powers_of_two) {
 // Photon's ring before #504: *empty* to a thread that looked while another pushed and popped twice.
 TEST(Batteries, push_and_pop_in_several_threads_of_a_ring_that_is_never_full) {
   const std::vector<std::string> shapes = battery(anything);
-  EXPECT_TRUE(std::any_of(shapes.begin(), shapes.end(), [](const std::string& text) {
+  EXPECT_TRUE(std::ranges::any_of(shapes, [](const std::string& text) {
     const Shape shape = parse_shape(text);
     std::size_t pushes = shape.prologue.size();
     for (const std::string& thread : shape.threads) {
       if (!thread.starts_with("ED")) return false;
-      pushes += static_cast<std::size_t>(std::count(thread.begin(), thread.end(), 'E'));
+      pushes += static_cast<std::size_t>(std::ranges::count(thread, 'E'));
     }
     return pushes >= 3 && shape.capacity > pushes;
   }));
@@ -107,11 +107,10 @@ TEST(Batteries, age_a_queue_to_just_before_a_counter_wraps) {
   const auto crosses = [](const Claims& claims, bool old, std::uint64_t range) {
     for (const std::string& text : aged_battery(claims, old)) {
       const Shape shape = parse_shape(text);
-      auto pushes =
-          static_cast<std::size_t>(std::count(shape.prologue.begin(), shape.prologue.end(), 'E'));
+      auto pushes = static_cast<std::size_t>(std::ranges::count(shape.prologue, 'E'));
       if (shape.prologue == "F") pushes = shape.capacity;
       for (const std::string& thread : shape.threads)
-        pushes += static_cast<std::size_t>(std::count(thread.begin(), thread.end(), 'E'));
+        pushes += static_cast<std::size_t>(std::ranges::count(thread, 'E'));
       if (shape.age < range && shape.age + pushes > range) return true;
     }
     return false;
@@ -126,8 +125,8 @@ TEST(Batteries, age_a_queue_to_just_before_a_counter_wraps) {
 
 TEST(Batteries, destroy_queues_with_elements_inside) {
   const auto left = [](const std::vector<std::string>& shapes) {
-    return std::count_if(shapes.begin(), shapes.end(),
-                         [](const std::string& text) { return leaves_inside(parse_shape(text)); });
+    return std::ranges::count_if(
+        shapes, [](const std::string& text) { return leaves_inside(parse_shape(text)); });
   };
   for (const Claims& claims : {anything, single, Claims{}}) {
     EXPECT_GE(left(battery(claims)), 3);
@@ -161,9 +160,8 @@ TEST(Batteries, leave_nobody_waiting_and_call_what_there_is) {
       EXPECT_EQ(obstacle({}, parse_shape(text)), "") << text;
     const auto with = [&](char letter) {
       const auto shapes = battery(claims, every);
-      return std::count_if(shapes.begin(), shapes.end(), [&](const std::string& text) {
-        return text.find(letter) != std::string::npos;
-      });
+      return std::ranges::count_if(
+          shapes, [&](const std::string& text) { return text.find(letter) != std::string::npos; });
     };
     for (const char letter : {'P', 'C', 'L', 'B', 'G'}) EXPECT_GE(with(letter), 3) << letter;
   }

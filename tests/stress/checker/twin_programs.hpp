@@ -32,7 +32,7 @@ inline std::vector<std::vector<unsigned>> orders_of(const std::vector<unsigned>&
     bool fits = true;
     for (std::size_t i = 0; i < names.size(); ++i) fits = fits && roles[names[i]] == roles[i];
     if (fits) orders.push_back(names);
-  } while (std::next_permutation(names.begin(), names.end()));
+  } while (std::ranges::next_permutation(names).found);
   return orders;
 }
 
@@ -177,7 +177,7 @@ class TwinPrograms : public testing::Test {
     checked.roles = program.roles;
     for (unsigned t = 0; t < program.threads.size(); ++t)
       checked.threads.emplace_back([&program, run, t] {
-        const auto first = std::find(program.roles.begin(), program.roles.end(), program.roles[t]);
+        const auto first = std::ranges::find(program.roles, program.roles[t]);
         const std::vector<Step>& steps =  // at one place for all of a role
             program.threads[static_cast<std::size_t>(first - program.roles.begin())];
         run(steps.data(), static_cast<unsigned>(steps.size()), static_cast<int>(t),

@@ -24,7 +24,7 @@ constexpr std::size_t bug = 0;
 constexpr std::size_t fixed = 1;
 
 bool finds(const QueueResult& result, FindingKind kind) {
-  return std::any_of(result.shapes.begin(), result.shapes.end(), [kind](const ShapeResult& s) {
+  return std::ranges::any_of(result.shapes, [kind](const ShapeResult& s) {
     return s.result.finding && s.result.finding->kind == kind;
   });
 }
