@@ -234,4 +234,54 @@ Opinion judge(const std::vector<QueueCall>& operations, const Claims& claims, st
   return {Sentence(operations, specification).of(*judgement.breach)};
 }
 
+std::optional<std::string> judge_stalled(const std::vector<QueueCall>& operations,
+                                         const Claims& claims, std::size_t capacity,
+                                         unsigned stopped) {
+  const bool taken = std::ranges::any_of(
+      operations, [](const QueueCall& o) { return o.kind == Kind::pop && !o.finished; });
+  if (taken || !stress::Specification(claims, capacity).pops_past_stopped()) return std::nullopt;
+  for (const QueueCall& push : operations) {
+    if (push.kind != Kind::push || !push.answered) continue;
+    // Where each has a queue of its own, only the stopped one could take it.
+    if (claims.own_queues() && push.worker == stopped) continue;
+    if (std::ranges::none_of(operations, [&](const QueueCall& o) {
+          return o.kind == Kind::pop && o.value == push.value && o.answered;
+        }))
+      return "element " + std::to_string(push.value) +
+             ", whose push has returned, does not come out while a thread is stopped";
+  }
+  return std::nullopt;
+}
+
+Opinion Histories::judge(const std::vector<QueueCall>& operations, const Claims& claims,
+                         std::size_t capacity, bool emptied) {
+  std::vector<const QueueCall*> sorted;
+  for (const QueueCall& operation : operations) sorted.push_back(&operation);
+  std::ranges::stable_sort(sorted, {},
+                           [](const QueueCall* o) { return std::pair(o->phase, o->thread); });
+  std::string key;
+  for (const QueueCall* b : sorted) {
+    key += b->no_memory || b->untried ? 'm'
+           : b->answered              ? 'y'
+           : b->closed                ? 'c'
+           : b->timed_out             ? 't'
+                                      : 'n';
+    key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
+    if (b->phase != QueueCall::Phase::during) continue;  // in the order in which they stand
+    for (const QueueCall* a : sorted)
+      if (a->phase == b->phase) key += precedes(*a, *b) ? '<' : ' ';
+  }
+  last_ = std::hash<std::string>{}(key);
+  if (const auto known = fine_.find(key); known != fine_.end() && known->second) return {};
+  Opinion opinion = checker::judge(operations, claims, capacity, emptied);
+  fine_[key] = !opinion.wrong;
+  return opinion;
+}
+
+std::vector<std::uint64_t> Histories::hashes() const {
+  std::vector<std::uint64_t> result;
+  for (const auto& [key, fine] : fine_) result.push_back(std::hash<std::string>{}(key));
+  return result;
+}
+
 }  // namespace irt::checker

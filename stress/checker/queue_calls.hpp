@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "queues/work_queue.hpp"
@@ -66,5 +67,26 @@ struct Opinion {
 /// follow each other.
 Opinion judge(const std::vector<QueueCall>& operations, const Claims& claims, std::size_t capacity,
               bool emptied = true);
+
+/// What is wrong with `operations`, some of them not finished, since worker `stopped` was stopped
+/// for good: an element whose push has returned does not come out.
+std::optional<std::string> judge_stalled(const std::vector<QueueCall>& operations,
+                                         const Claims& claims, std::size_t capacity,
+                                         unsigned stopped);
+
+/// The histories of one program. Few differ in what matters, the answers and the order: each is
+/// judged once.
+class Histories {
+ public:
+  Opinion judge(const std::vector<QueueCall>& operations, const Claims& claims,
+                std::size_t capacity, bool emptied);
+  /// The hash of the last one.
+  [[nodiscard]] std::uint64_t last() const { return last_; }
+  [[nodiscard]] std::vector<std::uint64_t> hashes() const;
+
+ private:
+  std::unordered_map<std::string, bool> fine_;  ///< whether nothing is wrong, by what matters
+  std::uint64_t last_ = 0;
+};
 
 }  // namespace irt::checker

@@ -71,13 +71,9 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
   for (const std::string& word : shape_.threads)
     program_.roles.push_back(static_cast<unsigned>(
         std::find(shape_.threads.begin(), shape_.threads.end(), word) - shape_.threads.begin()));
-  program_.outcome = [this] { return outcome_; };
+  program_.outcome = [this] { return histories_.last(); };
   program_.judge = [this](const Execution& execution) { return judge_history(execution); };
-  program_.histories = [this] {
-    std::vector<std::uint64_t> result;
-    for (const auto& [key, fine] : judged_) result.push_back(std::hash<std::string>{}(key));
-    return result;
-  };
+  program_.histories = [this] { return histories_.hashes(); };
 }
 
 void QueueClient::cast_roles() {
@@ -218,7 +214,13 @@ bool QueueClient::pop(unsigned thread, unsigned worker) {
 
 void QueueClient::note_popped(std::size_t number, std::uint64_t value) {
   operations_[number].value = value;
-  take_payload(operations_[number]);
+  const auto push = std::find_if(operations_.rbegin(), operations_.rend(), [&](const QueueCall& o) {
+    return o.kind == QueueCall::Kind::push && o.value == value;
+  });
+  if (push == operations_.rend()) return;
+  const std::uint16_t called = push->called.count[push->thread];
+  if (!sees_what_precedes(push->thread, called))
+    report_unpublished(std::to_string(value), push->thread, called);
 }
 
 void QueueClient::pop_wait(unsigned thread, unsigned worker) {
@@ -311,17 +313,6 @@ void QueueClient::finish_two(const std::array<std::size_t, 2>& numbers, std::siz
   operations_[numbers.front()].no_memory = operations_[numbers.back()].no_memory && made == 0;
 }
 
-void QueueClient::take_payload(const QueueCall& pop) const {
-  const auto push =
-      std::find_if(operations_.rbegin(), operations_.rend(), [&pop](const QueueCall& o) {
-        return o.kind == QueueCall::Kind::push && o.value == pop.value;
-      });
-  if (push == operations_.rend()) return;
-  const std::uint16_t called = push->called.count[push->thread];
-  if (!sees_what_precedes(push->thread, called))
-    report_unpublished(std::to_string(pop.value), push->thread, called);
-}
-
 std::size_t QueueClient::call(QueueCall::Kind kind, unsigned thread, unsigned worker) {
   Execution& execution = *Execution::current_execution();
   const std::size_t number = operations_.size();
@@ -403,57 +394,17 @@ void QueueClient::work_until_over(unsigned thread, unsigned worker) {
   }
 }
 
-std::optional<std::string> QueueClient::judge_stalled(unsigned stopped) const {
-  const stress::Specification specification(entry_.claims, capacity_);
-  if (!specification.pops_past_stopped()) return std::nullopt;
-  if (entry_.claims.one_consumer() && popper_ == stopped) return std::nullopt;
-  for (const QueueCall& push : operations_) {
-    if (push.kind != QueueCall::Kind::push || !push.answered) continue;
-    // Where each has a queue of its own, only the stopped one could take it.
-    if (entry_.claims.own_queues() && push.worker == stopped) continue;
-    const bool out = std::any_of(operations_.begin(), operations_.end(), [&](const QueueCall& o) {
-      return o.kind == QueueCall::Kind::pop && o.value == push.value && (o.answered || !o.finished);
-    });
-    const bool taken = std::any_of(operations_.begin(), operations_.end(), [](const QueueCall& o) {
-      return o.kind == QueueCall::Kind::pop && !o.finished;
-    });
-    if (!out && !taken)
-      return "element " + std::to_string(push.value) +
-             ", whose push has returned, does not come out while a thread is stopped";
-  }
-  return std::nullopt;
-}
-
 std::optional<std::string> QueueClient::judge_history(const Execution& execution) {
-  if (const auto stopped = execution.stopped()) return judge_stalled(*stopped);
+  if (const auto stopped = execution.stopped())
+    return entry_.claims.one_consumer() && popper_ == *stopped
+               ? std::nullopt
+               : judge_stalled(operations_, entry_.claims, capacity_, *stopped);
   for (QueueCall& push : operations_)
     push.closed |= push.kind == QueueCall::Kind::push && !push.answered && !push.untried &&
-                   std::any_of(operations_.begin(), operations_.end(), [&](const QueueCall& c) {
+                   std::ranges::any_of(operations_, [&](const QueueCall& c) {
                      return c.kind == QueueCall::Kind::close && !precedes(push, c);
                    });
-  // Few histories differ in what matters: the answers and the order. Each is judged once.
-  std::vector<const QueueCall*> sorted;
-  for (const QueueCall& operation : operations_) sorted.push_back(&operation);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const QueueCall* a, const QueueCall* b) {
-    return a->phase != b->phase ? a->phase < b->phase : a->thread < b->thread;
-  });
-  std::string key;
-  for (const QueueCall* b : sorted) {
-    key += b->no_memory || b->untried ? 'm'
-           : b->answered              ? 'y'
-           : b->closed                ? 'c'
-           : b->timed_out             ? 't'
-                                      : 'n';
-    key.append(reinterpret_cast<const char*>(&b->value), sizeof b->value);
-    if (b->phase != QueueCall::Phase::during) continue;  // in the order in which they stand
-    for (const QueueCall* a : sorted)
-      if (a->phase == b->phase) key += precedes(*a, *b) ? '<' : ' ';
-  }
-  outcome_ = std::hash<std::string>{}(key);
-  const auto known = judged_.find(key);
-  if (known != judged_.end() && known->second) return std::nullopt;
-  Opinion opinion = judge(operations_, entry_.claims, capacity_, !leaves_inside(shape_));
-  judged_[key] = !opinion.wrong;
+  Opinion opinion = histories_.judge(operations_, entry_.claims, capacity_, !leaves_inside(shape_));
   if (!opinion.decided)
     Execution::current_execution()->conclusion().note_incomplete(
         "the answers of an execution fit more orders than can be tried");

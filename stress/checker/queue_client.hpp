@@ -18,7 +18,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "queues/work_queue.hpp"
@@ -62,7 +61,6 @@ class QueueClient {
   void push_two(unsigned thread, unsigned worker);
   void pop_two(unsigned thread, unsigned worker);
   void note_popped(std::size_t number, std::uint64_t value);
-  void take_payload(const QueueCall& pop) const;
   std::size_t call(QueueCall::Kind kind, unsigned thread, unsigned worker);
   template <class Work>
   bool finish(std::size_t number, Work work);
@@ -73,7 +71,6 @@ class QueueClient {
   void age(std::uint64_t pairs, std::shared_ptr<AgedMemory> memory);
   void make_pair(std::uint64_t n);
   std::optional<std::string> judge_history(const Execution& execution);
-  [[nodiscard]] std::optional<std::string> judge_stalled(unsigned stopped) const;
 
   QueueEntry entry_;
   Shape shape_;
@@ -85,10 +82,9 @@ class QueueClient {
   QueueCall::Phase phase_ = QueueCall::Phase::before;
   std::vector<std::uint64_t> ageing_words_;
   std::vector<std::uint64_t> pushed_;  ///< by thread: elements so far
-  std::unordered_map<std::string, bool> judged_;
-  std::uint64_t outcome_ = 0;  ///< the hash of the one judged last
-  unsigned pusher_ = 0;        ///< the worker that pushes before and after the threads
-  unsigned popper_ = 0;        ///< and the one that pops
+  Histories histories_;
+  unsigned pusher_ = 0;  ///< the worker that pushes before and after the threads
+  unsigned popper_ = 0;  ///< and the one that pops
 };
 
 }  // namespace irt::checker
