@@ -213,7 +213,7 @@ class Columns {
     if (choice == 0 || !touches) return;
     // The store after it in modification order, of those made before it in this execution.
     const std::vector<EventId>& stores = graph_.location(event.location).stores;
-    auto after = std::find(stores.begin(), stores.end(), event.reads ? event.from : id);
+    auto after = std::ranges::find(stores, event.reads ? event.from : id);
     if (after == stores.end()) return;  // a plain write has replaced what was there
     ++after;
     while (after != stores.end() && *after >= id) ++after;

@@ -66,8 +66,8 @@ class Sentence {
  public:
   Sentence(const std::vector<QueueCall>& operations, const stress::Specification& specification)
       : operations_(operations), specification_(specification) {
-    const bool timed = std::any_of(operations.begin(), operations.end(),
-                                   [](const QueueCall& o) { return o.called_at != 0; });
+    const bool timed =
+        std::ranges::any_of(operations, [](const QueueCall& o) { return o.called_at != 0; });
     order_ = timed ? "real time" : "happens-before";
   }
 

@@ -69,8 +69,8 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     if (!stopped) delete queue_;
   };
   for (const std::string& word : shape_.threads)
-    program_.roles.push_back(static_cast<unsigned>(
-        std::find(shape_.threads.begin(), shape_.threads.end(), word) - shape_.threads.begin()));
+    program_.roles.push_back(
+        static_cast<unsigned>(std::ranges::find(shape_.threads, word) - shape_.threads.begin()));
   program_.outcome = [this] { return histories_.last(); };
   program_.judge = [this](const Execution& execution) { return judge_history(execution); };
   program_.histories = [this] { return histories_.hashes(); };
@@ -112,8 +112,7 @@ void QueueClient::drain(unsigned main, std::optional<unsigned> stopped) {
   }
   // More than was pushed is wrong, and may have no end.
   const auto pushes = static_cast<std::size_t>(
-      std::count_if(operations_.begin(), operations_.end(),
-                    [](const QueueCall& o) { return o.kind == QueueCall::Kind::push; }));
+      std::ranges::count(operations_, QueueCall::Kind::push, &QueueCall::kind));
   std::size_t popped = 0;
   for (bool found = true; found;) {
     found = false;
@@ -386,7 +385,7 @@ void QueueClient::work_until_over(unsigned thread, unsigned worker) {
       return;
     }
     // A task of the prologue has two children; they have none.
-    const bool root = std::any_of(operations_.begin(), operations_.end(), [&](const QueueCall& o) {
+    const bool root = std::ranges::any_of(operations_, [&](const QueueCall& o) {
       return o.kind == QueueCall::Kind::push && o.phase == QueueCall::Phase::before &&
              o.value == operations_[number].value;
     });
