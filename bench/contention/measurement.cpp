@@ -175,7 +175,7 @@ class Measurement {
   }
 
  private:
-  bool stamped() const { return job_.pass == Pass::stamped; }
+  [[nodiscard]] bool stamped() const { return job_.pass == Pass::stamped; }
 
   void fail(const std::string& why) {
     if (sample_.status != "ok") return;
@@ -278,7 +278,7 @@ class Measurement {
     sample_.context_switches += now.context_switches - usage.context_switches;
   }
 
-  bool stopped_in_time() const {
+  [[nodiscard]] bool stopped_in_time() const {
     const Clock::time_point begin = Clock::now();
     // (4) acquire: pairs with (3)
     while (muster_.finished.load(std::memory_order_acquire) < job_.threads) {
@@ -288,7 +288,7 @@ class Measurement {
     return true;
   }
 
-  Times times(Histogram Seat::*which) const {
+  [[nodiscard]] Times times(Histogram Seat::*which) const {
     Histogram ticks;
     for (const auto& seat : seats_) ticks.merge((*seat).*which);
     const double per_tick = 1 / ticks_per_nanosecond_;

@@ -122,7 +122,7 @@ class Sweep {
     return costs.empty() ? 0 : statistics::median(costs);
   }
 
-  unsigned total() const {
+  [[nodiscard]] unsigned total() const {
     std::size_t all = 0;
     for (const Row& row : rows_) {
       for (unsigned i = 0; i < plan_.repetitions; ++i) all += passes_of(plan_, row, i).size();
@@ -155,13 +155,13 @@ class Sweep {
                lines[most->first], most->second);
   }
 
-  bool has(unsigned row, unsigned repetition, Pass pass) const {
+  [[nodiscard]] bool has(unsigned row, unsigned repetition, Pass pass) const {
     return std::ranges::any_of(journal_->results(), [&](const Result& result) {
       return result.row == row && result.repetition == repetition && result.pass == pass;
     });
   }
   // A queue that hung once would cost its patience again and again.
-  bool hopeless(unsigned row) const {
+  [[nodiscard]] bool hopeless(unsigned row) const {
     return std::ranges::any_of(journal_->results(), [&](const Result& result) {
       return result.row == row && result.pass != Pass::counted && result.sample.status == "hung";
     });

@@ -40,7 +40,7 @@ struct Plan {
   Shard shard;
 
   // Those of the shard.
-  std::vector<Row> rows() const {
+  [[nodiscard]] std::vector<Row> rows() const {
     std::vector<Row> all;
     for (unsigned workload = 0; workload < workloads.size(); ++workload) {
       const std::vector<std::string> none{"-"};
@@ -53,7 +53,9 @@ struct Plan {
     }
     return all;
   }
-  unsigned samples() const { return static_cast<unsigned>(rows().size()) * repetitions; }
+  [[nodiscard]] unsigned samples() const {
+    return static_cast<unsigned>(rows().size()) * repetitions;
+  }
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Plan, workloads, queues, threads, plugins, frames,
                                                 repetitions, warmup, shard)
@@ -195,7 +197,7 @@ class Comparison {
   }
 
  private:
-  const QueueEntry& queue_of(const Row& row) const {
+  [[nodiscard]] const QueueEntry& queue_of(const Row& row) const {
     return queues_.at(row.queue == "-" ? plan_.queues.front() : row.queue);
   }
 
@@ -341,13 +343,13 @@ class Comparison {
     return sample.workload == row.workload && sample.queue == row.queue &&
            sample.threads == row.threads;
   }
-  bool has(const Row& row, unsigned repetition) const {
+  [[nodiscard]] bool has(const Row& row, unsigned repetition) const {
     return std::ranges::any_of(journal_->results(), [&](const Sample& sample) {
       return is_of(sample, row) && sample.repetition == repetition;
     });
   }
   // What hung once would cost its patience again and again.
-  bool hopeless(const Row& row) const {
+  [[nodiscard]] bool hopeless(const Row& row) const {
     return std::ranges::any_of(journal_->results(), [&](const Sample& sample) {
       return is_of(sample, row) && sample.status == "hung";
     });
@@ -395,7 +397,7 @@ class Comparison {
   }
 
   // What is rendered, as far as all workloads agree.
-  std::string subject() const {
+  [[nodiscard]] std::string subject() const {
     const WorkloadOptions& first = plan_.workloads.front();
     std::string text = fmt::format("{}x{}", first.width, first.height);
     for (std::string WorkloadOptions::*name :
@@ -409,7 +411,7 @@ class Comparison {
 
   // Says so where a queue has hung or crashed, and where it has lost or doubled tasks, by its own
   // count or by the picture.
-  bool is_broken(const Sample& sample) const {
+  [[nodiscard]] bool is_broken(const Sample& sample) const {
     if (sample.status != "ok") {
       fmt::print(stderr, "irt: queue {} with {} threads {}: {}\n", sample.queue, sample.threads,
                  sample.status, sample.message);
@@ -428,7 +430,7 @@ class Comparison {
 
   // The hash of the first workload that must give the same picture. Of one that moves, the first
   // sample has it: one frame is not enough.
-  const std::string& expected_hash(std::size_t workload) const {
+  [[nodiscard]] const std::string& expected_hash(std::size_t workload) const {
     const WorkloadOptions& wanted = plan_.workloads[workload];
     if (!wanted.animate.empty()) {
       return std::ranges::find_if(journal_->results(),
@@ -443,7 +445,9 @@ class Comparison {
     return references_[first].image_hash;
   }
 
-  bool exact(std::size_t workload) const { return has_exact_sums(plan_.workloads[workload]); }
+  [[nodiscard]] bool exact(std::size_t workload) const {
+    return has_exact_sums(plan_.workloads[workload]);
+  }
 
   const CompareOptions& options_;
   QueueRegistry& queues_;

@@ -46,9 +46,11 @@ class QueueEngine final : public Engine {
 
   FrameStats run(Application& application) override;
 
-  std::size_t tasks_allocated() const override { return shared_.pool.allocated(); }
-  std::size_t tasks_in_use() const override { return shared_.pool.in_use() - forgotten_; }
-  bool pinned() const override { return unpinned_ == 0; }
+  [[nodiscard]] std::size_t tasks_allocated() const override { return shared_.pool.allocated(); }
+  [[nodiscard]] std::size_t tasks_in_use() const override {
+    return shared_.pool.in_use() - forgotten_;
+  }
+  [[nodiscard]] bool pinned() const override { return unpinned_ == 0; }
 
  private:
   using Clock = std::chrono::steady_clock;

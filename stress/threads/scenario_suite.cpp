@@ -284,7 +284,7 @@ class ScenarioRunner {
   }
 
   /// Where the processor, not ThreadSanitizer, shows what is not published.
-  std::optional<BrokenClaim> judge_payloads() const {
+  [[nodiscard]] std::optional<BrokenClaim> judge_payloads() const {
     for (const WorkerState& state : states_) {
       if (state.unpublished == no_element) continue;
       return BrokenClaim{

@@ -132,7 +132,7 @@ class Life {
   }
 
   /// What can be said without emptying it.
-  std::optional<BrokenClaim> look() const {
+  [[nodiscard]] std::optional<BrokenClaim> look() const {
     for (const Account& account : accounts_) {
       if (account.invented) return finding("pops only what was pushed", *account.invented);
       if (account.out_of_order && ordered())
@@ -257,7 +257,7 @@ class Life {
     return all;
   }
 
-  std::optional<BrokenClaim> judge(const Sums& pushed, const Sums& popped) const {
+  [[nodiscard]] std::optional<BrokenClaim> judge(const Sums& pushed, const Sums& popped) const {
     if (std::optional<BrokenClaim> found = look()) return found;
     if (pushed == popped) return std::nullopt;
     if (popped.count < pushed.count) {

@@ -89,16 +89,16 @@ class ReplayThread {
   friend Loop;
   using Task = many_core::Task;
   struct Children {
-    std::size_t size() const { return count; }
+    [[nodiscard]] std::size_t size() const { return count; }
     ReplayHost& host;
     std::uint32_t parent, count;
   };
-  AnyWorkQueue<void*>& queue() const { return *shared_.plan.queue; }
-  unsigned number() const { return me_; }
-  std::vector<Task*>& overflow() const { return shared_.workers[me_].overflow; }
-  std::atomic<bool>& idle() const { return shared_.workers[me_].idle; }
-  std::atomic<std::int64_t>& outstanding() const { return shared_.outstanding; }
-  bool leaves_when_empty() const { return shared_.plan.leave_when_empty; }
+  [[nodiscard]] AnyWorkQueue<void*>& queue() const { return *shared_.plan.queue; }
+  [[nodiscard]] unsigned number() const { return me_; }
+  [[nodiscard]] std::vector<Task*>& overflow() const { return shared_.workers[me_].overflow; }
+  [[nodiscard]] std::atomic<bool>& idle() const { return shared_.workers[me_].idle; }
+  [[nodiscard]] std::atomic<std::int64_t>& outstanding() const { return shared_.outstanding; }
+  [[nodiscard]] bool leaves_when_empty() const { return shared_.plan.leave_when_empty; }
   static bool tasks_are_lost() { return false; }  // the simulator ends what hangs
   Children answer(Task& task, bool first_time) const;
   void hand_on(const Children& children, const auto& put) const {
@@ -123,7 +123,7 @@ class ReplayThread {
     });
   }
   struct FirstTasks {
-    std::size_t size() const { return shared.plan.roots; }
+    [[nodiscard]] std::size_t size() const { return shared.plan.roots; }
     Task* operator[](std::size_t i) const { return &shared.tasks[i]; }
     Replay& shared;
   };

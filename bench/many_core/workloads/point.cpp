@@ -146,7 +146,7 @@ class Run {
 
   // Both roles are spread alike over the machine: by turns where neighbours have neighbouring
   // numbers, in halves where these alternate between sockets.
-  bool pushes(unsigned thread) const {
+  [[nodiscard]] bool pushes(unsigned thread) const {
     if (point_.placement == Placement::spread) return thread < point_.producers;
     const auto before = [this](unsigned n) {
       return (n * point_.producers + point_.threads - 1) / point_.threads;
@@ -229,7 +229,7 @@ class Run::Hand {
   Hand(Queue& queue, Run& run, unsigned thread)
       : run_(run), thread_(thread), me_(run.workers_[thread]), queue_(queue) {}
 
-  bool running() const { return !run_.machine_.over(); }
+  [[nodiscard]] bool running() const { return !run_.machine_.over(); }
   bool push() { return pushed(fresh(), Tries::one); }
   bool pop() { return popped(Tries::one); }
   bool push_tagged(unsigned tag) { return pushed(fresh() * contention::tags + tag, Tries::one); }
@@ -249,7 +249,7 @@ class Run::Hand {
   bool take() { return popped(Tries::all_and_work); }
   void work() { run_.work(me_); }
   std::uint64_t random(std::uint64_t bound) { return me_.random.below(bound); }
-  bool produces() const { return run_.pushes(thread_); }
+  [[nodiscard]] bool produces() const { return run_.pushes(thread_); }
   bool consumers_caught_up() {
     for (;;) {
       if (run_.machine_.over()) return false;
@@ -262,14 +262,16 @@ class Run::Hand {
     if (pause > 0) run_.machine_.work(pause * vary(me_));
   }
   bool meet() { return run_.barrier_.pass(run_.machine_, run_.point_.threads); }
-  contention::Burst burst() const {
+  [[nodiscard]] contention::Burst burst() const {
     return {.size = static_cast<unsigned>(run_.burst_), .works_after_each = true};
   }
 
  private:
   enum class Tries : std::uint8_t { one, all, all_and_work };
 
-  std::uint64_t fresh() const { return std::uint64_t{thread_ + 1} << 40U | (me_.pushes.all + 1); }
+  [[nodiscard]] std::uint64_t fresh() const {
+    return std::uint64_t{thread_ + 1} << 40U | (me_.pushes.all + 1);
+  }
   bool pushed(std::uint64_t element, Tries tries) {
     const bool done = made(me_.pushes, tries, [&] { return queue_.push(thread_, element); });
     if (done) me_.pushed_sum += element;
