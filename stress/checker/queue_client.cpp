@@ -21,6 +21,17 @@ constexpr std::uint64_t most_tries = 100'000;
 /// by the batch then does not in so small a shape: others look at that.
 constexpr std::size_t expected_by_those_who_wait = 64;
 
+// Of two who have a role one after the other, the first signals.
+std::optional<unsigned> first_with(std::string_view letters, const Shape& shape) {
+  std::optional<unsigned> first;
+  for (unsigned thread = 0; thread < shape.threads.size(); ++thread) {
+    const std::string& word = shape.threads[thread];
+    if (word.find_first_of(letters) == std::string::npos) continue;
+    if (!first || word.find('S') != std::string::npos) first = thread;
+  }
+  return first;
+}
+
 }  // namespace
 
 QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capacity,
@@ -41,7 +52,8 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
     throw std::invalid_argument("shape \"" + to_string(shape_) + "\": " + std::to_string(count) +
                                 " threads, and the queue claims to be made for at most " +
                                 std::to_string(entry.claims.max_workers));
-  cast_roles();
+  if (entry.claims.one_producer()) pusher_ = first_with(pushing, shape_).value_or(0);
+  if (entry.claims.one_consumer()) popper_ = first_with(popping, shape_).value_or(count - 1);
   age(shape_.age, std::move(aged));
   program_.module = module;
   program_.prepare = [this, count] {
@@ -74,22 +86,6 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
   program_.outcome = [this] { return histories_.last(); };
   program_.judge = [this](const Execution& execution) { return judge_history(execution); };
   program_.histories = [this] { return histories_.hashes(); };
-}
-
-void QueueClient::cast_roles() {
-  // Of two who have a role one after the other, the first signals.
-  const auto first_with = [this](std::string_view letters) -> std::optional<unsigned> {
-    std::optional<unsigned> first;
-    for (unsigned thread = 0; thread < shape_.threads.size(); ++thread) {
-      const std::string& word = shape_.threads[thread];
-      if (word.find_first_of(letters) == std::string::npos) continue;
-      if (!first || word.find('S') != std::string::npos) first = thread;
-    }
-    return first;
-  };
-  if (entry_.claims.one_producer()) pusher_ = first_with(pushing).value_or(0);
-  if (entry_.claims.one_consumer())
-    popper_ = first_with(popping).value_or(static_cast<unsigned>(shape_.threads.size()) - 1);
 }
 
 // Who pops in the shape empties the queue, until all of them find nothing. Everybody does if nobody

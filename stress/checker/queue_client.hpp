@@ -46,7 +46,6 @@ class QueueClient {
   [[nodiscard]] const Shape& shape() const { return shape_; }
 
  private:
-  void cast_roles();
   void run_letters(const std::string& letters, unsigned thread);
   void drain(unsigned main, std::optional<unsigned> stopped);
   std::uint64_t next_value(unsigned thread);

@@ -63,6 +63,16 @@ std::uint64_t round_size(std::uint64_t dice, unsigned workers) {
   }
 }
 
+/// What is drawn for one round.
+struct Round {
+  std::size_t capacity = 0;
+  std::uint64_t age = 0;      ///< elements that go through the queue before
+  Claims claims{};            ///< as the workers see them
+  bool complemented = false;  ///< complements are pushed
+  WordQueueMaker make_queue = nullptr;
+  std::string_view element_kind{};  ///< what the words go through; empty: nothing
+};
+
 class ScenarioRunner {
  public:
   ScenarioRunner(const Assignment& assignment, const Scenario& scenario, Messenger& messenger)
@@ -94,10 +104,10 @@ class ScenarioRunner {
     {
       const Presence presence(own_slot);
       bump();
-      const auto queue = make_(roles_.workers, capacity_);
+      const auto queue = make_(roles_.workers, round_.capacity);
       interrupter_.set_active(perturbation.stalls);
       try {
-        if (age_ > 0) age(*queue);
+        if (round_.age > 0) age(*queue);
         leave_all(*queue, roles_.workers);
         run_team(*queue, perturbation, seed);
         interrupter_.set_active(false);
@@ -117,14 +127,15 @@ class ScenarioRunner {
     if (!finding) finding = judge_payloads();
     bump();
     if (finding) {
-      finding->evidence += fmt::format(
-          "in round {} of {} threads with {} operations each, capacity {}, {}{}\n", number,
-          roles_.workers, states_[0].operations, capacity_,
-          age_ > 0 ? fmt::format("after {} elements, ", age_) : "", perturbation.describe());
-      if (complemented_)
+      finding->evidence +=
+          fmt::format("in round {} of {} threads with {} operations each, capacity {}, {}{}\n",
+                      number, roles_.workers, states_[0].operations, round_.capacity,
+                      round_.age > 0 ? fmt::format("after {} elements, ", round_.age) : "",
+                      perturbation.describe());
+      if (round_.complemented)
         finding->evidence += "what was pushed were the complements of the elements\n";
-      if (!element_kind_.empty())
-        finding->evidence += fmt::format("the queue was one of elements {}\n", element_kind_);
+      if (!round_.element_kind.empty())
+        finding->evidence += fmt::format("the queue was one of elements {}\n", round_.element_kind);
       finding->repeat = assignment_.repeat;
     }
     return finding;
@@ -134,14 +145,14 @@ class ScenarioRunner {
 
  private:
   void prepare(std::uint64_t seed) {
-    capacity_ = round_capacity(mix_seed(seed, 101), scenario_.capacity);
-    age_ = round_age(mix_seed(seed, 102));
-    claims_ = assignment_.queue.claims;
-    complemented_ = false;
+    round_ = {.capacity = round_capacity(mix_seed(seed, 101), scenario_.capacity),
+              .age = round_age(mix_seed(seed, 102)),
+              .claims = assignment_.queue.claims,
+              .make_queue = assignment_.queue.make_word_queue};
     if (mix_seed(seed, 103) % 8 == 0) {
-      if (const auto seen = Complement(claims_).seen(claims_)) {
-        claims_ = *seen;
-        complemented_ = true;
+      if (const auto seen = Complement(round_.claims).seen(round_.claims)) {
+        round_.claims = *seen;
+        round_.complemented = true;
       }
     }
     draw_elements(mix_seed(seed, 104));
@@ -151,8 +162,8 @@ class ScenarioRunner {
         std::max(std::min<std::uint64_t>(size, 32), size / scenario_.generations);
     for (unsigned worker = 0; worker < roles_.workers; ++worker) {
       WorkerState& state = states_[worker] = state_of(roles_, worker);
-      state.capacity = capacity_;
-      state.claims = claims_;
+      state.capacity = round_.capacity;
+      state.claims = round_.claims;
       state.random = SplitMix(mix_seed(seed, worker));
       state.operations = operations;
       state.payloads = &payloads_;
@@ -163,22 +174,20 @@ class ScenarioRunner {
 
   /// One round in four is of elements that are no words, if the queue claims to take any.
   void draw_elements(std::uint64_t dice) {
-    make_queue_ = assignment_.queue.make_word_queue;
-    element_kind_ = {};
     if (dice % 4 != 0 || scenario_.needs.bulk) return;
     const auto kinds = element_kinds(assignment_.queue);
     const ElementKind& kind = kinds.at(dice / 4 % kinds.size());
     if (kind.make_queue == nullptr) return;
-    make_queue_ = kind.make_queue;
-    element_kind_ = kind.words;
+    round_.make_queue = kind.make_queue;
+    round_.element_kind = kind.words;
   }
 
   /// Sends elements through the queue, each alone in it. None is left inside when it returns.
   void age(ElementQueue& queue) {
     const bool own = assignment_.queue.claims.own_queues();
-    for (std::uint64_t i = 0, sequence = 0; i < age_; ++i, ++sequence) {
+    for (std::uint64_t i = 0, sequence = 0; i < round_.age; ++i, ++sequence) {
       const auto pusher = static_cast<unsigned>(i % roles_.producers);
-      const Element pushed = next_element(claims_, pusher, sequence);
+      const Element pushed = next_element(round_.claims, pusher, sequence);
       const bool accepted = [&] {
         const Call call(slots_.back(), Doing::push);
         return queue.push(pusher, pushed);
@@ -264,7 +273,7 @@ class ScenarioRunner {
   }
 
   std::optional<BrokenClaim> judge_history(const History& history) {
-    const Verdict verdict = judge(history, assignment_.queue.claims, capacity_);
+    const Verdict verdict = judge(history, assignment_.queue.claims, round_.capacity);
     sums_.empties += verdict.empties;
     sums_.fulls += verdict.fulls;
     sums_.refuted_empties += verdict.refuted_empties;
@@ -302,20 +311,15 @@ class ScenarioRunner {
   const Scenario& scenario_;
   Roles roles_;
   QueueMaker make_ = [this](unsigned workers, std::size_t capacity) {
-    auto queue = make_queue_(workers, capacity);
-    if (!complemented_) return queue;
+    auto queue = round_.make_queue(workers, capacity);
+    if (!round_.complemented) return queue;
     const Complement complement(assignment_.queue.claims);
     return std::unique_ptr<ElementQueue>(new ComplementQueue(std::move(queue), complement));
   };
   Payloads payloads_;
   std::vector<Slot> slots_;  ///< one per worker, and one for the thread that drives the rounds
   std::vector<WorkerState> states_;
-  std::size_t capacity_ = 0;             ///< of this round's queue
-  Claims claims_;                        ///< of the queue, as this round's workers see it
-  bool complemented_ = false;            ///< this round pushes complements
-  WordQueueMaker make_queue_ = nullptr;  ///< of this round
-  std::string_view element_kind_;        ///< what the words go through; empty: nothing
-  std::uint64_t age_ = 0;                ///< elements that have gone through it before the round
+  Round round_{};
   Verdict sums_;
   Watchdog watchdog_;
   Team team_;
