@@ -256,6 +256,7 @@ std::optional<std::string> judge_stalled(const std::vector<QueueCall>& operation
 Opinion Histories::judge(const std::vector<QueueCall>& operations, const Claims& claims,
                          std::size_t capacity, bool emptied) {
   std::vector<const QueueCall*> sorted;
+  sorted.reserve(operations.size());
   for (const QueueCall& operation : operations) sorted.push_back(&operation);
   std::ranges::stable_sort(sorted, {},
                            [](const QueueCall* o) { return std::pair(o->phase, o->thread); });
