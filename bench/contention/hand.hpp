@@ -2,6 +2,10 @@
 /// use them: counted, and stamped where latency is measured.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <span>
+
 #include "bench/contention/seat.hpp"
 #include "queues/work_queue.hpp"
 #include "stress/history/clock.hpp"
@@ -55,6 +59,33 @@ class Hand {
       if (pop()) return true;
     }
     return false;
+  }
+
+  /// `bulk` elements in a call, and up to so many; how many went in, and came out. The time of a
+  /// call is that of one operation.
+  [[gnu::always_inline]] std::size_t push_bulk() {
+    std::array<std::uint64_t, bulk> elements;
+    std::uint64_t element = fresh();
+    for (std::uint64_t& each : elements) each = element++;
+    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
+    std::size_t taken = 0;
+    if constexpr (HasBulk<Queue, std::uint64_t>) taken = queue_.push_bulk(worker_, elements);
+    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
+    if (stamped && taken > 0) seat_.push_times.record(end - begin);
+    for (std::size_t i = 0; i < std::min(taken + 1, bulk); ++i) pushed(i < taken, elements[i]);
+    return taken;
+  }
+  [[gnu::always_inline]] std::size_t pop_bulk(std::size_t most) {
+    std::array<std::uint64_t, bulk> elements;
+    const std::span room = std::span(elements).first(std::min(most, bulk));
+    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
+    std::size_t found = 0;
+    if constexpr (HasBulk<Queue, std::uint64_t>) found = queue_.pop_bulk(worker_, room);
+    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
+    if (stamped && found > 0) seat_.pop_times.record(end - begin);
+    if (found == 0) popped(false, 0);
+    for (const std::uint64_t element : room.first(found)) popped(true, element);
+    return found;
   }
 
   /// Sleeps until there is an element; false once the queue is closed.

@@ -11,6 +11,9 @@
 ///     running()                 whether to go on; what every loop asks that has no other end
 ///     push(), pop()             one try with an element of its own; false for full, for empty
 ///     push_until_accepted(), pop_until_found()   tries until then; false where the end comes first
+///     push_bulk(), pop_bulk(most)   one call with `bulk` elements, and for so many of these at
+///     most;
+///                               how many went in, and came out
 ///     pop_wait()                a pop that sleeps until then; false where the queue is closed
 ///     close()                   the queue, at the end, for whoever sleeps there
 ///     put(), take()             push_until_accepted and pop_until_found, and the work that follows
@@ -30,6 +33,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -39,6 +43,9 @@ namespace irt::contention {
 
 /// Tags of elements are below this.
 inline constexpr unsigned tags = 4;
+
+/// Elements of a call for several.
+inline constexpr std::size_t bulk = 16;
 
 /// So many pushes, then so many pops. Either the work follows each of them, or a burst.
 struct Burst {
@@ -75,6 +82,17 @@ template <class Hand>
     if (!burst.works_after_each) hand.work();
     while (inside > 0 && (burst.works_after_each ? hand.take() : hand.pop_until_found())) --inside;
     if (!burst.works_after_each) hand.work();
+  }
+}
+
+/// Sixteen pushes in a call, work, as many pops in as few calls as the queue takes, work.
+template <class Hand>
+[[gnu::always_inline]] inline void bulks(Hand&& hand) {
+  while (hand.running()) {
+    std::size_t inside = hand.push_bulk();
+    hand.work();
+    while (inside > 0 && hand.running()) inside -= std::min(inside, hand.pop_bulk(inside));
+    hand.work();
   }
 }
 
@@ -166,6 +184,7 @@ enum class Program : std::uint8_t {
   pairs,
   exchange,
   bursts,
+  bulks,
   coin_toss,
   sides,
   ping_pong,
@@ -185,6 +204,8 @@ template <class Hand, class Queue, class... Rest>
       return exchange(Hand(first, rest...));
     case Program::bursts:
       return bursts(Hand(first, rest...));
+    case Program::bulks:
+      return bulks(Hand(first, rest...));
     case Program::coin_toss:
       return coin_toss(Hand(first, rest...));
     case Program::sides:
@@ -215,6 +236,7 @@ struct Scenario {
     return program == Program::ping_pong || needs_pop_wait();
   }
   [[nodiscard]] constexpr bool needs_pop_wait() const { return program == Program::wake; }
+  [[nodiscard]] constexpr bool needs_bulk() const { return program == Program::bulks; }
   [[nodiscard]] constexpr bool needs_elements() const { return program == Program::frames; }
 
   /// Why a queue with these claims and optional methods cannot play it, apart from who pushes and
@@ -224,6 +246,7 @@ struct Scenario {
     if (needs_elements() && !claims.carries_elements)
       return "it carries no elements, and a task says what comes of it";
     if (needs_pop_wait() && !methods.pop_wait) return "it has no pop_wait";
+    if (needs_bulk() && !methods.bulk) return "it has no push_bulk and pop_bulk";
     return {};
   }
 };
@@ -281,6 +304,10 @@ inline constexpr std::array scenario_table{
     Scenario{.name = "bursts",
              .operation_mix = "each thread pushes 64, then pops 64",
              .program = Program::bursts,
+             .roles = all_do_both},
+    Scenario{.name = "bulk",
+             .operation_mix = "each thread pushes 16 in a call, then pops 16",
+             .program = Program::bulks,
              .roles = all_do_both},
     Scenario{.name = "coin-toss",
              .operation_mix = "each thread pushes one or pops one, by the toss of a coin",

@@ -31,6 +31,10 @@ class CoreHand {
   bool pop_until_found() {
     return until([this] { return pop(); });
   }
+  std::size_t push_bulk() { return core_.push_bulk(contention::bulk); }
+  std::size_t pop_bulk(std::size_t most) {
+    return core_.pop_bulk(std::min(most, contention::bulk));
+  }
   bool pop_wait() { return core_.pop_wait().has_value(); }
   void close() { core_.close(); }
   bool put() {

@@ -127,7 +127,8 @@ std::vector<Scenario> contention_table(std::index_sequence<numbers...>) {
                      .poppers = roles.consumers,
                      .together = roles.together(),
                      .capacity = 64,
-                     .run = program});
+                     .run = program,
+                     .needs = {.bulk = scenario.needs_bulk()}});
   };
   (add(numbers, contend<numbers>), ...);
   return table;

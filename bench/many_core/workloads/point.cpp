@@ -1,9 +1,11 @@
 #include "bench/many_core/workloads/point.hpp"
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <stdexcept>
 #include <sys/resource.h>
 
@@ -240,6 +242,24 @@ class Run::Hand {
   }
   bool push_until_accepted() { return pushed(fresh(), Tries::all); }
   bool pop_until_found() { return popped(Tries::all); }
+  std::size_t push_bulk() {
+    std::array<std::uint64_t, contention::bulk> elements{};
+    std::uint64_t element = fresh();
+    for (std::uint64_t& each : elements) each = element++;
+    const std::size_t taken =
+        several(me_.pushes, [&] { return queue_.push_bulk(thread_, elements); });
+    for (std::size_t i = 0; i < taken; ++i) me_.pushed_sum += elements[i];
+    run_.inside_ += static_cast<std::int64_t>(taken);
+    return taken;
+  }
+  std::size_t pop_bulk(std::size_t most) {
+    std::array<std::uint64_t, contention::bulk> elements{};
+    const auto room = std::span(elements).first(std::min(most, elements.size()));
+    const std::size_t found = several(me_.pops, [&] { return queue_.pop_bulk(thread_, room); });
+    for (std::size_t i = 0; i < found; ++i) me_.popped_sum += elements[i];
+    run_.inside_ -= static_cast<std::int64_t>(found);
+    return found;
+  }
   bool pop_wait() {
     return popped(Tries::one, [this](std::uint64_t& e) { return queue_.pop_wait(thread_, e); });
   }
@@ -288,6 +308,18 @@ class Run::Hand {
     if (done) me_.popped_sum += me_.last_popped = element;
     run_.inside_ -= done ? 1 : 0;
     return done;
+  }
+  /// A call for several: all that it moves are operations, which took as long as it did.
+  template <class Call>
+  std::size_t several(Tally& tally, Call call) {
+    std::size_t moved = 0;
+    const auto counted = tally.counted;
+    run_.attempt(thread_, tally, false, [&] { return (moved = call()) != 0; });
+    if (moved > 1) {
+      tally.all += moved - 1;
+      if (tally.counted != counted) tally.counted += moved - 1;
+    }
+    return moved;
   }
   template <class Operation>
   bool made(Tally& tally, Tries tries, Operation operation) {

@@ -57,7 +57,8 @@ std::vector<Scenario> all_scenarios() {
   std::vector<Scenario> all;
   for (const Scenario& scenario : scenarios())
     if (allows(Methods{}, Claims{}, scenario)) all.push_back(scenario);
-  all.insert(all.end(), contention_scenarios().begin(), contention_scenarios().end());
+  for (const Scenario& scenario : contention_scenarios())
+    if (allows(Methods{}, Claims{}, scenario)) all.push_back(scenario);
   return all;
 }
 

@@ -115,12 +115,12 @@ class HalfBlindToItself : public HalfBlind_<T, false> {
 };
 
 TEST(ClaimsOnThreads, FindsAnswersThatNothingExcuses) {
-  EXPECT_NE(claim_of(run_on(queue_entry<HalfBlindToItself>("itself"), "built-and-dropped", 2)),
+  EXPECT_NE(claim_of(run_on(queue_entry<HalfBlindToItself>("itself"), "built-and-dropped", 10)),
             "nothing");
-  EXPECT_EQ(claim_of(run_on(queue_entry<HoardingBoast>("boast"), "mpmc", 2)),
+  EXPECT_EQ(claim_of(run_on(queue_entry<HoardingBoast>("boast"), "mpmc", 10)),
             "empty only when empty");
   if (sanitizer != Sanitizer::none) return;
-  EXPECT_EQ(claim_of(run(queue_entry<OneShortUnorderedBug>("short"), 1, run_sustained)),
+  EXPECT_EQ(claim_of(run(queue_entry<OneShortUnorderedBug>("short"), 5, run_sustained)),
             "full only when full");
 }
 
