@@ -15,11 +15,14 @@ TEST(Interrupt, LeavesPicturesWhole) {
     more.insert(more.begin(), {"render", "--scene", "office", "--size", "200x200"});
     return more;
   };
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
   RunningTool whole(IRT_FRAMES, office({"--frames", "1", "--image", directory / "whole.png"}));
   ASSERT_EQ(whole.wait(), 0) << whole.err();
+  const auto one_frame = Clock::now() - begin;
   RunningTool tool(IRT_FRAMES, office({"--frames", "1000000", "--image", directory / "a.png",
                                        "--json", directory / "a.json"}));
-  std::this_thread::sleep_for(std::chrono::seconds(3));
+  std::this_thread::sleep_for(std::chrono::seconds(1) + 3 * one_frame);  // some frames are done
   tool.signal(SIGINT);
   EXPECT_EQ(tool.wait(), 130) << tool.err();
   EXPECT_EQ(contents(directory / "a.png"), contents(directory / "whole.png"));
