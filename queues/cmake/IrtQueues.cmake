@@ -23,7 +23,8 @@
 # the kind `plugin` (queues/modules.hpp): the target irt_<kind>_<name>. The template may use
 # @QUEUE_NAME@, @QUEUE_HEADER@ (as in #include "...") and @QUEUE_CLASS@. irt_queue_source makes the
 # source alone. All modules stand in the folder that the global property IRT_QUEUE_MODULES names;
-# irt_list_modules() writes there which there can be. The target irt-queues builds them.
+# irt_list_modules() writes there which there can be. The target irt-queues builds them, but for those
+# of concrete types, which compile the longest: tests build of these what they measure.
 #
 # What links a queue's concrete type links the interface library `irt_queue_<name>`, or
 # `irt_queue_headers` for all of them. The global property IRT_QUEUES lists the names in the order
@@ -116,7 +117,9 @@ add_custom_target(irt-queues)
 # irt_note_module(<target> <file>): the target builds that file of the folder.
 function(irt_note_module target file)
   set_property(GLOBAL APPEND_STRING PROPERTY IRT_QUEUE_MODULE_LIST "${file}\n")
-  add_dependencies(irt-queues ${target})
+  if(NOT file MATCHES "\\.(contention|micro)\\.so$")
+    add_dependencies(irt-queues ${target})
+  endif()
 endfunction()
 
 function(irt_list_modules)

@@ -121,7 +121,10 @@ TEST_P(ScenariosOfQueues, FindNothing) {
   for (const stress::Scenario& scenario : all) {
     if (scenario.generations != 1 || !stress::allows(entry.methods, entry.claims, scenario))
       continue;
-    const ShapeResult result = sample_scenario(entry, module, scenario, quick(0.1), "");
+    ShapeResult result = sample_scenario(entry, module, scenario, quick(0.1), "");
+    // Where others have the processors, the first execution may take longer.
+    if (result.result.complete == 0)
+      result = sample_scenario(entry, module, scenario, quick(5), "");
     EXPECT_FALSE(result.result.finding) << scenario.name << ": " << result.result.finding->text;
     EXPECT_GT(result.result.complete, 0U) << scenario.name;
     EXPECT_EQ(result.result.incomplete, "") << scenario.name;
