@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <dlfcn.h>
 #include <fstream>
 #include <optional>
 #include <set>
@@ -34,10 +35,15 @@ using Registered = std::array<std::vector<std::string>, suffixes.size()>;
 Registered read_list() {
   Registered all;
   std::ifstream list(folder() / "list.txt");
+  if (!list)
+    throw std::runtime_error("there is no " + (folder() / "list.txt").string() +
+                             ", which says what queues there are; configure the build again");
   for (std::string file; std::getline(list, file);) {
     const auto end = file.find('.');
-    const auto* suffix = std::ranges::find(suffixes, std::string_view(file).substr(end));
-    all.at(static_cast<std::size_t>(suffix - suffixes.begin())).push_back(file.substr(0, end));
+    const auto* suffix =
+        std::ranges::find(suffixes, std::string_view(file).substr(std::min(end, file.size())));
+    if (suffix != suffixes.end())
+      all.at(static_cast<std::size_t>(suffix - suffixes.begin())).push_back(file.substr(0, end));
   }
   return all;
 }
@@ -90,6 +96,13 @@ bool is_registered(std::string_view name, ModuleKind kind) {
 
 std::filesystem::path module_of_tree(std::string_view name, ModuleKind kind) {
   return folder() / (std::string(name) + std::string(suffix_of(kind)));
+}
+
+const void* symbol_of(const std::filesystem::path& file, const char* name) {
+  // An absolute path, since a bare name would be looked up in the system's library folders.
+  void* object = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (object == nullptr) throw std::runtime_error(dlerror());
+  return dlsym(object, name);
 }
 
 void build_modules(std::span<const std::string> names, ModuleKind kind) {

@@ -28,7 +28,8 @@ enum class ModuleKind : std::uint8_t {
 /// The module of `kind` that lies beside the plug-in `file`, whether there is one or not.
 std::filesystem::path module_beside(const std::filesystem::path& file, ModuleKind kind);
 
-/// The queues of the tree that are compiled for `kind`, in the order of their registration.
+/// The queues of the tree that are compiled for `kind`, in the order of their registration. Throws
+/// std::runtime_error where the build has no list of them.
 const std::vector<std::string>& registered_queues(ModuleKind kind);
 
 /// Whether `name` is one of them.
@@ -36,6 +37,11 @@ bool is_registered(std::string_view name, ModuleKind kind);
 
 /// The module of a registered queue. Whether it is built, `build_modules` says.
 std::filesystem::path module_of_tree(std::string_view name, ModuleKind kind);
+
+/// The C symbol `name` of the shared object `file`, which stays loaded until the process ends,
+/// since its code may be in use; null if it has none. Throws std::runtime_error, with the loader's
+/// words, where it cannot be loaded.
+const void* symbol_of(const std::filesystem::path& file, const char* name);
 
 /// Brings the modules of those of `names` that are registered up to date. Only a program that the
 /// front door has become does so, once for each module; any other takes what is there. Throws

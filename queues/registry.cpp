@@ -1,10 +1,8 @@
 #include "queues/registry.hpp"
 
 #include <algorithm>
-#include <dlfcn.h>
 #include <map>
 
-#include "queues/modules.hpp"
 #include "queues/nearest.hpp"
 
 namespace irt {
@@ -62,32 +60,35 @@ const PluginDescriptor& load_plugin(const std::filesystem::path& file) {
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) throw refuse("no such file");
   if (std::filesystem::is_directory(status)) throw refuse("is a directory");
-
-  // An absolute path, since a bare name would be looked up in the system's library folders.
-  void* object = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (object == nullptr) throw refuse(dlerror());
-  const auto* descriptor = static_cast<const PluginDescriptor*>(dlsym(object, plugin_symbol));
-  const std::string why = descriptor == nullptr
-                              ? std::string("has no symbol '") + plugin_symbol + "'"
-                              : mismatch(*descriptor);
-  if (why.empty()) return *descriptor;
-  dlclose(object);
-  throw refuse(why);
+  const PluginDescriptor* descriptor = nullptr;
+  try {
+    descriptor = static_cast<const PluginDescriptor*>(symbol_of(file, plugin_symbol));
+  } catch (const std::runtime_error& failure) {
+    throw refuse(failure.what());
+  }
+  if (descriptor == nullptr) throw refuse(std::string("has no symbol '") + plugin_symbol + "'");
+  if (const std::string why = mismatch(*descriptor); !why.empty()) throw refuse(why);
+  return *descriptor;
 }
 
-std::span<const QueueEntry> QueueRegistry::entries() const {
-  all_.assign(built_in_queues().begin(), built_in_queues().end());
-  all_.insert(all_.end(), plugins_.begin(), plugins_.end());
-  return all_;
+std::vector<QueueEntry> QueueRegistry::entries() const {
+  std::vector<QueueEntry> all(built_in_queues().begin(), built_in_queues().end());
+  for (const Plugin& plugin : plugins_) all.push_back(plugin.entry);
+  return all;
 }
 
-void QueueRegistry::prepare(std::span<const std::string> names) const {
-  build_modules(names, ModuleKind::plugin);
+const QueueEntry& QueueRegistry::first() const {
+  return at(registered_queues(ModuleKind::plugin).front());
+}
+
+const QueueRegistry::Plugin* QueueRegistry::plugin(std::string_view name) const {
+  const auto found =
+      std::ranges::find(plugins_, name, [](const Plugin& p) { return p.entry.name; });
+  return found == plugins_.end() ? nullptr : &*found;
 }
 
 const QueueEntry* QueueRegistry::find(std::string_view name) const {
-  const auto plugin = std::ranges::find(plugins_, name, &QueueEntry::name);
-  if (plugin != plugins_.end()) return &*plugin;
+  if (const Plugin* own = plugin(name)) return &own->entry;
   const QueueEntry* entry = of_the_tree(name);
   return entry != nullptr && entry->claims.carries_elements ? entry : nullptr;
 }
@@ -97,10 +98,9 @@ const QueueEntry& QueueRegistry::at(std::string_view name) const {
   if (is_registered(name, ModuleKind::plugin))
     throw RegistryError("queue '" + std::string(name) +
                         "' only counts and carries nothing; irt bench alone can use it");
-  const auto& tree = registered_queues(ModuleKind::plugin);
-  std::vector<std::string_view> names(tree.begin(), tree.end());
-  for (const QueueEntry& entry : plugins_) names.push_back(entry.name);
-  throw RegistryError(unknown_name("queue", name, names));
+  const std::vector<std::string> known = names(ModuleKind::plugin);
+  throw RegistryError(
+      unknown_name("queue", name, std::vector<std::string_view>(known.begin(), known.end())));
 }
 
 const QueueEntry& QueueRegistry::at_or_counter(std::string_view name) const {
@@ -110,11 +110,42 @@ const QueueEntry& QueueRegistry::at_or_counter(std::string_view name) const {
 
 const QueueEntry& QueueRegistry::open(const std::filesystem::path& file) {
   const QueueEntry& entry = load_plugin(file).entry;
-  if (is_registered(entry.name, ModuleKind::plugin) || find(entry.name) != nullptr)
+  if (is_registered(entry.name, ModuleKind::plugin) || plugin(entry.name) != nullptr)
     throw RegistryError("plug-in '" + file.string() + "': a queue named '" +
                         std::string(entry.name) +
                         "' is there already; give the plug-in another name");
-  return plugins_.emplace_back(entry);
+  plugins_.push_back({entry, std::filesystem::absolute(file)});
+  return plugins_.back().entry;
+}
+
+std::vector<std::string> QueueRegistry::plugins() const {
+  std::vector<std::string> all;
+  for (const Plugin& plugin : plugins_) all.emplace_back(plugin.entry.name);
+  return all;
+}
+
+std::vector<std::string> QueueRegistry::names(ModuleKind kind) const {
+  std::vector<std::string> all = registered_queues(kind);
+  for (std::string& name : plugins())
+    if (has(name, kind)) all.push_back(std::move(name));
+  return all;
+}
+
+bool QueueRegistry::has(std::string_view name, ModuleKind kind) const {
+  const Plugin* own = plugin(name);
+  return own != nullptr ? std::filesystem::exists(module_beside(own->file, kind))
+                        : is_registered(name, kind);
+}
+
+std::filesystem::path QueueRegistry::module(std::string_view name, ModuleKind kind) const {
+  if (const Plugin* own = plugin(name)) return module_beside(own->file, kind);
+  const std::string one(name);
+  prepare({&one, 1}, kind);
+  return module_of_tree(name, kind);
+}
+
+void QueueRegistry::prepare(std::span<const std::string> names, ModuleKind kind) const {
+  build_modules(names, kind);
 }
 
 }  // namespace irt

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "queues/modules.hpp"
 #include "queues/plugin.hpp"
 #include "queues/work_queue.hpp"
 
@@ -27,22 +28,19 @@ class RegistryError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The descriptor of the plug-in `file`, an absolute path. The object stays loaded until the
-/// process ends, since its code may be in use. Throws RegistryError with what keeps it from being
-/// used.
+/// The descriptor of the plug-in `file`, which stays loaded. Throws RegistryError with what keeps
+/// it from being used.
 const PluginDescriptor& load_plugin(const std::filesystem::path& file);
 
 /// The queues a tool can use. One of the tree is built (modules.hpp) and opened when it is asked
 /// for. Not thread-safe.
 class QueueRegistry {
  public:
-  /// All queues that carry elements, those of the tree first. Valid until the next call, or
-  /// `open()`.
-  std::span<const QueueEntry> entries() const;
+  /// All queues that carry elements, those of the tree first, which are all built.
+  std::vector<QueueEntry> entries() const;
 
-  /// Builds those of `names` that are of the tree, all at once. What is asked for one by one is
-  /// built one after the other.
-  void prepare(std::span<const std::string> names) const;
+  /// The one that is used where none is named: the first of the tree.
+  const QueueEntry& first() const;
 
   /// The queue `name`, or nullptr. Entries stay where they are.
   const QueueEntry* find(std::string_view name) const;
@@ -58,12 +56,28 @@ class QueueRegistry {
   /// already taken.
   const QueueEntry& open(const std::filesystem::path& file);
 
-  /// Those of opened plug-ins.
-  const std::deque<QueueEntry>& plugins() const { return plugins_; }
+  /// The queues of opened plug-ins.
+  std::vector<std::string> plugins() const;
+
+  /// The queues that are compiled for `kind`, those of the tree first, and whether `name` is one.
+  std::vector<std::string> names(ModuleKind kind) const;
+  bool has(std::string_view name, ModuleKind kind) const;
+
+  /// The file of `name`, which must be among them; of the tree it is built.
+  std::filesystem::path module(std::string_view name, ModuleKind kind) const;
+
+  /// Builds those of `names` that are of the tree, all at once. What is asked for one by one is
+  /// built one after the other.
+  void prepare(std::span<const std::string> names, ModuleKind kind = ModuleKind::plugin) const;
 
  private:
-  std::deque<QueueEntry> plugins_;
-  mutable std::vector<QueueEntry> all_;
+  struct Plugin {
+    QueueEntry entry;
+    std::filesystem::path file;
+  };
+  const Plugin* plugin(std::string_view name) const;
+
+  std::deque<Plugin> plugins_;
 };
 
 }  // namespace irt

@@ -173,6 +173,12 @@ constexpr Methods methods_of() {
           .leave = HasLeave<Q>};
 }
 
+/// `worker` leaves `queue`, where workers do.
+template <class Queue>
+void leave(Queue& queue, unsigned worker) {
+  if constexpr (HasLeave<Queue>) queue.leave(worker);
+}
+
 /// The type-erased face of a queue of `T`: one virtual call per operation. What a queue does not
 /// have (`QueueEntry::methods`) throws std::logic_error, but for `leave`, which does nothing.
 template <class T>
@@ -260,9 +266,7 @@ class WorkQueueFace final : public AnyWorkQueue<T> {
     return AnyWorkQueue<T>::pop_bulk(worker, tasks);
   }
 
-  void leave(unsigned worker) override {
-    if constexpr (HasLeave<Q>) queue_.leave(worker);
-  }
+  void leave(unsigned worker) override { irt::leave(queue_, worker); }
 
  private:
   static constexpr bool is_same = std::same_as<T, Element>;
@@ -291,9 +295,7 @@ class ActsFor {
   ActsFor(Queue& queue, unsigned worker) : queue_(queue), worker_(worker) {}
   ActsFor(const ActsFor&) = delete;
   ActsFor& operator=(const ActsFor&) = delete;
-  ~ActsFor() {
-    if constexpr (HasLeave<Queue>) queue_.leave(worker_);
-  }
+  ~ActsFor() { leave(queue_, worker_); }
 
  private:
   Queue& queue_;
@@ -303,7 +305,7 @@ class ActsFor {
 /// All workers leave `queue`, for which one thread has acted.
 template <class Queue>
 void leave_all(Queue& queue, unsigned workers) {
-  for (unsigned worker = 0; worker < workers; ++worker) ActsFor(queue, worker);
+  for (unsigned worker = 0; worker < workers; ++worker) leave(queue, worker);
 }
 
 using WordQueueMaker = std::unique_ptr<AnyWorkQueue<std::uint64_t>> (*)(unsigned workers,

@@ -74,12 +74,8 @@ int run_as_child() {
   std::getline(std::cin, line);
   const auto job = nlohmann::json::parse(line).get<Job>();
   QueueRegistry queues;
-  for (const std::string& plugin : job.plugins) {
-    queues.open(plugin);
-    open_counting_build(plugin);
-    open_subject_module(plugin);
-  }
-  const SubjectMaker make = job.pass == Pass::counted ? counting_subject_maker(job.queue)
+  for (const std::string& plugin : job.plugins) queues.open(plugin);
+  const SubjectMaker make = job.pass == Pass::counted ? counting_subject_maker(queues, job.queue)
                                                       : subject_maker(queues, job.queue);
   const auto await_order = [&] {
     answers.say(std::string(ready_line));

@@ -9,18 +9,16 @@
 
 #include "bench/contention/subject.hpp"
 #include "bench/counted/atomic_events.hpp"
+#include "queues/registry.hpp"
 
 namespace irt::contention {
 
-/// Looks for the counting build of a plug-in, the file NAME.so, beside it.
-void open_counting_build(const std::string& plugin);
-
 /// Why there is no counting build of the queue `name`; empty where there is.
-std::string not_countable(std::string_view name);
+std::string not_countable(const QueueRegistry& queues, std::string_view name);
 
-/// The counting build of the queue `name`, through its type-erased face. `not_countable(name)` must
-/// be empty.
-SubjectMaker counting_subject_maker(std::string_view name);
+/// The counting build of the queue `name`, through its type-erased face. `not_countable` must be
+/// empty.
+SubjectMaker counting_subject_maker(const QueueRegistry& queues, std::string_view name);
 
 /// What queues of a counting build have done in this thread since it began.
 AtomicEvents events_of_this_thread();

@@ -67,22 +67,22 @@ class Hand {
     std::array<std::uint64_t, bulk> elements;
     std::uint64_t element = fresh();
     for (std::uint64_t& each : elements) each = element++;
-    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
-    std::size_t taken = 0;
-    if constexpr (HasBulk<Queue, std::uint64_t>) taken = queue_.push_bulk(worker_, elements);
-    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
-    if (stamped && taken > 0) seat_.push_times.record(end - begin);
+    const std::size_t taken = timed(seat_.push_times, [&]() -> std::size_t {
+      if constexpr (HasBulk<Queue, std::uint64_t>)
+        return std::min(queue_.push_bulk(worker_, elements), bulk);
+      return 0;
+    });
     for (std::size_t i = 0; i < std::min(taken + 1, bulk); ++i) pushed(i < taken, elements[i]);
     return taken;
   }
   [[gnu::always_inline]] std::size_t pop_bulk(std::size_t most) {
     std::array<std::uint64_t, bulk> elements;
     const std::span room = std::span(elements).first(std::min(most, bulk));
-    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
-    std::size_t found = 0;
-    if constexpr (HasBulk<Queue, std::uint64_t>) found = queue_.pop_bulk(worker_, room);
-    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
-    if (stamped && found > 0) seat_.pop_times.record(end - begin);
+    const std::size_t found = timed(seat_.pop_times, [&]() -> std::size_t {
+      if constexpr (HasBulk<Queue, std::uint64_t>)
+        return std::min(queue_.pop_bulk(worker_, room), room.size());
+      return 0;
+    });
     if (found == 0) popped(false, 0);
     for (const std::uint64_t element : room.first(found)) popped(true, element);
     return found;
@@ -91,11 +91,10 @@ class Hand {
   /// Sleeps until there is an element; false once the queue is closed.
   [[gnu::always_inline]] bool pop_wait() {
     std::uint64_t element = 0;
-    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
-    bool found = false;
-    if constexpr (PopsWaiting<Queue, std::uint64_t>) found = queue_.pop_wait(worker_, element);
-    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
-    if (stamped && found) seat_.pop_times.record(end - begin);
+    const bool found = timed(seat_.pop_times, [&] {
+      if constexpr (PopsWaiting<Queue, std::uint64_t>) return queue_.pop_wait(worker_, element);
+      return false;
+    });
     return popped(found, element);
   }
   void close() {
@@ -145,22 +144,24 @@ class Hand {
   [[gnu::always_inline]] void rest() { busy_wait(seat_.producer_pause_steps); }
 
  private:
+  /// What `call` answers; where it succeeds, with its time.
+  template <class Call>
+  [[gnu::always_inline]] auto timed(Histogram& times, Call call) {
+    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
+    const auto answer = call();
+    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
+    if (stamped && answer != 0) times.record(end - begin);
+    return answer;
+  }
   /// An element that no other push of the measurement brings.
   [[nodiscard, gnu::always_inline]] std::uint64_t fresh() const {
     return (std::uint64_t{worker_ + 1} << 40) | pushes_;
   }
   [[gnu::always_inline]] bool push(std::uint64_t element) {
-    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
-    const bool accepted = queue_.push(worker_, element);
-    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
-    if (stamped && accepted) seat_.push_times.record(end - begin);
-    return pushed(accepted, element);
+    return pushed(timed(seat_.push_times, [&] { return queue_.push(worker_, element); }), element);
   }
   [[gnu::always_inline]] bool pop(std::uint64_t& element) {
-    const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
-    const bool found = queue_.pop(worker_, element);
-    const std::uint64_t end = stamped ? stress::stamp_after() : 0;
-    if (stamped && found) seat_.pop_times.record(end - begin);
+    const bool found = timed(seat_.pop_times, [&] { return queue_.pop(worker_, element); });
     return popped(found, element);
   }
   [[gnu::always_inline]] bool push_until_accepted(std::uint64_t element) {

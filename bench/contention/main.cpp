@@ -124,12 +124,11 @@ void Tool::add_sweep(CLI::App& app) {
           [this](const std::vector<std::string>& files) {
             for (const std::string& file : files) {
               queues.open(file);
-              open_counting_build(file);
-              open_subject_module(file);
               sweeping.plan.plugins.push_back(std::filesystem::absolute(file).string());
             }
           },
-          "shared object with a queue; measured through its type-erased face")
+          "shared object with a queue, NAME.so; by its concrete type where NAME.contention.so is "
+          "beside it")
       ->trigger_on_parse();
   command.add_option("--out", sweeping.out, "directory of the results")->capture_default_str();
   command.add_option("--json", sweeping.json, "write the figures here, too");

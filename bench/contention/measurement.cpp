@@ -14,7 +14,6 @@
 #include "bench/contention/named_events.hpp"
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
-#include "queues/modules.hpp"
 #include "queues/registry.hpp"
 
 namespace irt::contention {
@@ -197,7 +196,7 @@ class Measurement {
       ++prefilled_;
       prefilled_sum_ += element;
     }
-    subject_->leave(job_.threads);
+    for (unsigned worker = 0; worker < job_.threads; ++worker) subject_->leave(worker);
   }
 
   void start() {
@@ -228,6 +227,7 @@ class Measurement {
       table_.stop.store(true, std::memory_order_relaxed);
       table_.gate.abandon();
     }
+    subject_->leave(i);
     if (job_.pass == Pass::counted) {
       const std::lock_guard lock(sample_mutex_);
       sample_.events += events_of_this_thread();

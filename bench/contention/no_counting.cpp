@@ -5,14 +5,12 @@
 
 namespace irt::contention {
 
-void open_counting_build(const std::string&) {}
-
-std::string not_countable(std::string_view /*name*/) {
+std::string not_countable(const QueueRegistry& /*queues*/, std::string_view /*name*/) {
   return "this build has no irt check, whose objects count";
 }
 
-SubjectMaker counting_subject_maker(std::string_view name) {
-  throw std::logic_error(std::string(name) + ": " + not_countable(name));
+SubjectMaker counting_subject_maker(const QueueRegistry& queues, std::string_view name) {
+  throw std::logic_error(std::string(name) + ": " + not_countable(queues, name));
 }
 
 AtomicEvents events_of_this_thread() {

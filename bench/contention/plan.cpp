@@ -107,8 +107,8 @@ Rows rows_of(const Plan& plan, const QueueRegistry& queues, const Machine& machi
                           .capacity = capacity,
                           .placement = place(policy, machine),
                           .oversubscribed = roles.workers > machine.processors.size(),
-                          .type_erased = type_erased(name),
-                          .not_countable = not_countable(name),
+                          .type_erased = type_erased(queues, name),
+                          .not_countable = not_countable(queues, name),
                           .claims = claims_in_words(queue.claims)});
     }
   };

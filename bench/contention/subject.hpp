@@ -21,10 +21,12 @@ class Subject {
   /// Does what a thread of `program` does until `Table::stop` is set.
   virtual void run(Program program, Seat& seat, bool stamped) = 0;
 
-  /// Before and after the measurement, by one thread for any worker; all of which leave then.
+  /// Before and after the measurement, by one thread for any worker.
   virtual bool push(unsigned worker, std::uint64_t element) = 0;
   virtual bool pop(unsigned worker, std::uint64_t& element) = 0;
-  virtual void leave(unsigned workers) = 0;
+
+  /// `worker` leaves, by the thread that acted for it.
+  virtual void leave(unsigned worker) = 0;
 };
 
 /// `second` is made for scenarios of two queues.
@@ -43,16 +45,14 @@ class SubjectOf final : public Subject {
   bool pop(unsigned worker, std::uint64_t& element) override {
     return first_->pop(worker, element) || (second_ && second_->pop(worker, element));
   }
-  void leave(unsigned workers) override {
-    leave_all(*first_, workers);
-    if (second_) leave_all(*second_, workers);
+  void leave(unsigned worker) override {
+    irt::leave(*first_, worker);
+    if (second_) irt::leave(*second_, worker);
   }
 
  private:
   template <bool stamped>
   void run_stamped(Program program, Seat& seat) {
-    const ActsFor leaves_first(*first_, seat.worker);
-    const ActsFor leaves_second(second_ ? *second_ : *first_, seat.worker);
     play<Hand<Queue, stamped>>(program, *first_, second_.get(), seat);
   }
 

@@ -1,7 +1,6 @@
 /// The queues under measurement, by name.
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
 #include "bench/contention/subject.hpp"
@@ -9,17 +8,13 @@
 
 namespace irt::contention {
 
-/// Looks for the contention module of a plug-in, the file NAME.so, beside it: NAME.contention.so.
-/// Throws RegistryError where it is one of another version.
-void open_subject_module(const std::filesystem::path& plugin);
-
 /// The queue `name` of `queues`, or `no_queue`. One of the tree, or of a plug-in with a contention
 /// module, is measured by its concrete type; another one through its type-erased face, at a virtual
-/// call per operation.
+/// call per operation. Throws RegistryError for a module of another version.
 SubjectMaker subject_maker(const QueueRegistry& queues, std::string_view name);
 
 /// Whether the queue `name` is measured through its type-erased face.
-bool type_erased(std::string_view name);
+bool type_erased(const QueueRegistry& queues, std::string_view name);
 
 /// The queue of `entry`, which must outlive what is made, through its type-erased face.
 SubjectMaker type_erased_maker(const QueueEntry& entry);

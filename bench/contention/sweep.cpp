@@ -17,7 +17,6 @@
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
-#include "queues/modules.hpp"
 #include "stress/running/usage_error.hpp"
 
 namespace irt::contention {
@@ -65,8 +64,8 @@ class Sweep {
       measured.push_back(row.queue);
       if (row.not_countable.empty()) counted.push_back(row.queue);
     }
-    build_modules(measured, ModuleKind::contention);
-    build_modules(counted, ModuleKind::counted);
+    queues_.prepare(measured, ModuleKind::contention);
+    queues_.prepare(counted, ModuleKind::counted);
   }
 
   // Takes plan and results from the journal. What the user set on the command line must be what it

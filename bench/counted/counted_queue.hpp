@@ -7,23 +7,14 @@
 /// less often; so a counted run is reported beside a plain one and never in its place.
 #pragma once
 
-#include <filesystem>
-#include <string>
 #include <string_view>
-#include <vector>
 
-#include "queues/work_queue.hpp"
+#include "queues/registry.hpp"
 
 namespace irt {
 
-/// Adds the queue NAME of the plug-in `file`, NAME.so, if irt_add_plugin() built it to count, too:
-/// then NAME.counted.so lies beside it.
-void add_counted_plugin(const std::filesystem::path& file);
-
-/// The names of the queues that were built to count.
-std::vector<std::string> counted_queues();
-
-/// The queue `name`, counting; nullptr where it was not built. Valid until the process ends.
-const QueueEntry* counted_queue(std::string_view name);
+/// The queue `name`, counting; nullptr where it was not built to count (`ModuleKind::counted`).
+/// Valid until the process ends.
+const QueueEntry* counted_queue(const QueueRegistry& queues, std::string_view name);
 
 }  // namespace irt

@@ -11,7 +11,6 @@
 #include "bench/counted/pairs.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
-#include "queues/modules.hpp"
 #include "queues/nearest.hpp"
 #include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
@@ -34,11 +33,11 @@ struct Options {
 void check_names(const QueueRegistry& registry, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     registry.at_or_counter(name);
-    if (counted_queue(name) == nullptr)
+    if (!registry.has(name, ModuleKind::counted))
       throw RegistryError(fmt::format(
           "queue '{}' cannot be counted: its atomic operations are compiled code or inline "
           "assembly; choose among {}",
-          name, fmt::join(counted_queues(), ", ")));
+          name, fmt::join(registry.names(ModuleKind::counted), ", ")));
   }
 }
 
@@ -79,13 +78,10 @@ void print(std::FILE* out, const json& run) {
 
 int measure(Options options) {
   QueueRegistry registry;
-  for (const std::string& plugin : options.plugins) {
-    registry.open(plugin);
-    add_counted_plugin(plugin);
-  }
-  if (options.queues.empty()) options.queues = counted_queues();
+  for (const std::string& plugin : options.plugins) registry.open(plugin);
+  if (options.queues.empty()) options.queues = registry.names(ModuleKind::counted);
   registry.prepare(options.queues);
-  build_modules(options.queues, ModuleKind::counted);
+  registry.prepare(options.queues, ModuleKind::counted);
   check_names(registry, options.queues);
   if (options.threads.empty()) {
     options.threads = {1};
@@ -105,7 +101,7 @@ int measure(Options options) {
     const QueueEntry& queue = registry.at_or_counter(name);
     for (const unsigned threads : options.threads) {
       options.pairs.threads = threads;
-      const CountedPairs pairs = count_pairs(queue, *counted_queue(name), options.pairs);
+      const CountedPairs pairs = count_pairs(queue, *counted_queue(registry, name), options.pairs);
       runs.push_back(run_object(queue, options.pairs, pairs, now));
       print(out, runs.back());
       std::fflush(out);

@@ -31,8 +31,7 @@ std::string hash_of(const std::vector<Contacts>& contacts) {
 }  // namespace
 
 int collide(CollideOptions options, const QueueRegistry& queues) {
-  const QueueEntry& queue =
-      options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
+  const QueueEntry& queue = options.queue.empty() ? queues.first() : queues.at(options.queue);
   check(options.workload);
   check_queue(options.queue, options.workload);
   if (!options.json.empty()) require_writable(options.json);

@@ -14,7 +14,6 @@
 #include "bench/running/progress.hpp"
 #include "bench/running/text_files.hpp"
 #include "bench/statistics/averages.hpp"
-#include "queues/modules.hpp"
 #include "stress/running/child_process.hpp"
 #include "stress/running/usage_error.hpp"
 
@@ -89,9 +88,9 @@ std::vector<unsigned> default_threads() {
 std::vector<std::string> default_queues(const QueueRegistry& queues) {
   std::vector<std::string> names;
   for (const char* name : {"lock", "lfree", "local", "mutex", "tbb", "boost-lockfree"}) {
-    if (is_registered(name, ModuleKind::plugin)) names.emplace_back(name);
+    if (queues.has(name, ModuleKind::plugin)) names.emplace_back(name);
   }
-  for (const QueueEntry& plugin : queues.plugins()) names.emplace_back(plugin.name);
+  for (std::string& plugin : queues.plugins()) names.push_back(std::move(plugin));
   return names;
 }
 
@@ -238,7 +237,7 @@ class Comparison {
   // process of its own; nothing if interrupted.
   std::optional<FirstFrame> first_frame(Workload& workload, unsigned threads, bool keep_picture) {
     constexpr double a_day = 86'400;
-    const QueueEntry& queue = queues_.at("lock");
+    const QueueEntry& queue = queues_.first();
     const Ending ending = in_child(a_day, cancel_, [&] {
       const Sample first = take_sample(workload, queue, {.threads = threads, .warmup = 0}, cancel_);
       if (keep_picture) write_png(options_.out / "frame.png", workload.application().image());
@@ -282,7 +281,7 @@ class Comparison {
     const auto frames = static_cast<unsigned>(std::clamp(enough / expected, 3.0, 1000.0));
     std::vector<double> seconds;
     Clock::time_point begin = Clock::now();
-    take_sample(workload, queues_.at("lock"), {.threads = threads, .warmup = 1, .frames = frames},
+    take_sample(workload, queues_.first(), {.threads = threads, .warmup = 1, .frames = frames},
                 cancel_, [&](bool counted) {
                   const Clock::time_point now = Clock::now();
                   if (counted)

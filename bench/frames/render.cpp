@@ -62,8 +62,7 @@ void check_queue(const std::string& queue, const WorkloadOptions& workload) {
 }
 
 int render(RenderOptions options, const QueueRegistry& queues) {
-  const QueueEntry& queue =
-      options.queue.empty() ? queues.entries().front() : queues.at(options.queue);
+  const QueueEntry& queue = options.queue.empty() ? queues.first() : queues.at(options.queue);
   const unsigned threads = settle_threads(options.threads);
   check(options.workload);
   check_queue(options.queue, options.workload);

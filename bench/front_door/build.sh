@@ -37,6 +37,7 @@ ninja_options=()
 # build_modules PRESET FILE... : brings modules of the tree's queues up to date, for a tool that was
 # just built.
 build_modules() {
+  (($# > 1)) || usage_error "modules: takes a preset and files; tools call it"
   local preset=$1 log=$logs/build-$1-modules.log
   shift
   exec {build_lock}>"$here/build/lock-$preset"

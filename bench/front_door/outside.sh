@@ -105,7 +105,7 @@ modules_of() {
     simulate) echo so virtual.so ;;
     'bench contention') echo so contention.so counted.so ;;
     'bench counted') echo so counted.so ;;
-    'bench micro') echo micro.so ;;
+    'bench micro') echo so micro.so ;;
     watch) echo so contention.so virtual.so ;;
     compare | render | list | collide | overhead | stress | 'bench instructions') echo so ;;
     *) return 1 ;;

@@ -5,7 +5,7 @@ help_test() {
 Usage: irt test [--full] [--sanitizer asan|tsan] [-- CTEST-OPTIONS...]
 
 Builds and runs the tests of the project.
-  --full             also the long ones: fuzzers, soaks
+  --full             also the long ones: fuzzers, soaks; every queue as its concrete type
   --sanitizer asan   everything under AddressSanitizer and UndefinedBehaviorSanitizer
   --sanitizer tsan   everything under ThreadSanitizer
   -- -R REGEX        hands what follows to ctest, here: only tests whose names match
@@ -14,9 +14,13 @@ H
 
 run_tests() {
   local preset=release selection=(-LE '^full$') packages=("${packages_test[@]}") seconds=120
+  local targets=irt-tests
   while (($#)); do
     case $1 in
-      --full) selection=() packages=("${packages_full[@]}") seconds=900 ;;
+      --full)
+        selection=() packages=("${packages_full[@]}") seconds=900
+        targets='irt-tests irt-concrete-queues'
+        ;;
       --sanitizer)
         case ${2:-} in
           asan | tsan) preset=$2 ;;
@@ -32,7 +36,7 @@ run_tests() {
   done
   [[ $preset == release ]] || ((seconds *= 5))
 
-  build_target "$preset" irt-tests "${packages[@]}"
+  build_target "$preset" "$targets" "${packages[@]}"
 
   local run=(ctest --test-dir "$here/build/$preset" --output-on-failure --no-tests=error
     --parallel "$(nproc)" --timeout "$seconds" "${selection[@]}" "$@")

@@ -3,7 +3,6 @@
 // conditions of the run stand in the context of its JSON.
 #include <CLI/CLI.hpp>
 #include <benchmark/benchmark.h>
-#include <dlfcn.h>
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,8 +12,7 @@
 #include "bench/conditions/conditions.hpp"
 #include "bench/micro/queue_benchmarks.hpp"
 #include "bench/micro/second_thread.hpp"
-#include "queues/modules.hpp"
-#include "queues/nearest.hpp"
+#include "queues/registry.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
 #include "stress/running/usage_error.hpp"
@@ -28,56 +26,38 @@ void add_context() {
     benchmark::AddCustomContext(key, value.is_string() ? value.get<std::string>() : value.dump());
 }
 
-/// Registers the benchmarks of the micro module `file`, which stays open.
+/// Registers the benchmarks of the micro module `file`.
 void add_module(const std::filesystem::path& file) {
-  void* object = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (object == nullptr) throw UsageError(dlerror());
-  const auto* module = static_cast<const BenchmarkModule*>(dlsym(object, "irt_micro"));
+  const auto* module = static_cast<const BenchmarkModule*>(symbol_of(file, "irt_micro"));
   if (module == nullptr || module->abi_version != plugin_abi_version)
     throw UsageError(
         fmt::format("{}: built for another version of irt; build it again", file.string()));
   module->add();
 }
 
-struct Arguments {
-  std::vector<std::string> queues, plugins;
-};
-
-void add_queues(const Arguments& given) {
-  std::vector<std::filesystem::path> modules;
-  std::vector<std::string> own;
-  for (const std::filesystem::path plugin : given.plugins) {
-    modules.push_back(module_beside(std::filesystem::absolute(plugin), ModuleKind::micro));
-    if (!std::filesystem::exists(modules.back()))
-      throw UsageError(fmt::format(
-          "plug-in '{}': there is no {} beside it, which irt_add_plugin() builds where Google "
-          "Benchmark is installed; configure and build the plug-in again",
-          plugin.string(), modules.back().filename().string()));
-    own.push_back(plugin.stem());
-  }
-  const std::vector<std::string>& tree = registered_queues(ModuleKind::micro);
-  std::vector<std::string> names = given.queues;
-  if (names.empty()) names = given.plugins.empty() ? tree : own;
-  build_modules(names, ModuleKind::micro);
+void add_queues(std::vector<std::string> names, const std::vector<std::string>& plugins) {
+  QueueRegistry queues;
+  for (const std::string& plugin : plugins) queues.open(plugin);
+  if (names.empty()) names = queues.names(ModuleKind::micro);
+  queues.prepare(names, ModuleKind::micro);
   for (const std::string& name : names) {
-    if (const auto plugin = std::ranges::find(own, name); plugin != own.end()) {
-      add_module(modules[static_cast<std::size_t>(plugin - own.begin())]);
-    } else if (is_registered(name, ModuleKind::micro)) {
-      add_module(module_of_tree(name, ModuleKind::micro));
-    } else {
-      throw UsageError(
-          unknown_name("queue", name, std::vector<std::string_view>(tree.begin(), tree.end())));
+    if (!queues.has(name, ModuleKind::micro)) {
+      queues.at_or_counter(name);  // throws where there is no such queue
+      throw UsageError(fmt::format(
+          "queue '{0}': there is no {0}.micro.so beside its plug-in, which irt_add_plugin() builds "
+          "where Google Benchmark is installed; configure and build it again",
+          name));
     }
+    add_module(queues.module(name, ModuleKind::micro));
   }
 }
 
 int run(int argc, char** argv) {
-  Arguments given;
+  std::vector<std::string> queues, plugins;
   CLI::App app("What single operations of queues cost, on Google Benchmark; its options follow.",
                "irt bench micro");
-  app.add_option("-q,--queue,--queues", given.queues, "queues by name (default: all)")
-      ->delimiter(',');
-  app.add_option("--plugin", given.plugins,
+  app.add_option("-q,--queue,--queues", queues, "queues by name (default: all)")->delimiter(',');
+  app.add_option("--plugin", plugins,
                  "shared objects that irt_add_plugin() built, with further queues");
   app.allow_extras();
   if (const auto code = parse(app, argc, argv)) {
@@ -94,7 +74,7 @@ int run(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(count, pointers.data())) return 2;
   const SecondThread second_thread;
   add_context();
-  add_queues(given);
+  add_queues(std::move(queues), plugins);
   const std::size_t done = benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return done == 0 ? 2 : 0;

@@ -24,7 +24,8 @@
 # @QUEUE_NAME@, @QUEUE_HEADER@ (as in #include "...") and @QUEUE_CLASS@. irt_queue_source makes the
 # source alone. All modules stand in the folder that the global property IRT_QUEUE_MODULES names;
 # irt_list_modules() writes there which there can be. The target irt-queues builds them, but for those
-# of concrete types, which compile the longest: tests build of these what they measure.
+# of concrete types, which compile the longest: tests build of these what they measure, and
+# irt-concrete-queues builds them all.
 #
 # What links a queue's concrete type links the interface library `irt_queue_<name>`, or
 # `irt_queue_headers` for all of them. The global property IRT_QUEUES lists the names in the order
@@ -113,11 +114,14 @@ endfunction()
 
 set_property(GLOBAL PROPERTY IRT_QUEUE_MODULES ${PROJECT_BINARY_DIR}/queues/modules)
 add_custom_target(irt-queues)
+add_custom_target(irt-concrete-queues)
 
 # irt_note_module(<target> <file>): the target builds that file of the folder.
 function(irt_note_module target file)
   set_property(GLOBAL APPEND_STRING PROPERTY IRT_QUEUE_MODULE_LIST "${file}\n")
-  if(NOT file MATCHES "\\.(contention|micro)\\.so$")
+  if(file MATCHES "\\.(contention|micro)\\.so$")
+    add_dependencies(irt-concrete-queues ${target})
+  else()
     add_dependencies(irt-queues ${target})
   endif()
 endfunction()

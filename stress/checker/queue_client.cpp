@@ -69,7 +69,7 @@ QueueClient::QueueClient(const QueueEntry& entry, Shape shape, std::size_t capac
   for (unsigned thread = 0; thread < count; ++thread)
     program_.threads.emplace_back([this, thread] {
       run_letters(shape_.threads[thread], thread);
-      if (entry_.methods.leave) leave(thread);
+      leave(thread, false);
     });
   program_.finish = [this, count] {
     phase_ = QueueCall::Phase::after;
@@ -128,7 +128,11 @@ void QueueClient::run_letters(const std::string& letters, unsigned thread) {
   const unsigned popper = alone || entry_.claims.one_consumer() ? popper_ : thread;
   const std::optional<unsigned> stopped = Execution::current_execution()->stopped();
   if (alone && (pusher == stopped || popper == stopped)) return;
-  for (const char letter : letters) make_step(letter, thread, pusher, popper);
+  for (const char letter : letters) {
+    // Who takes a role over waits for this.
+    if (letter == 'S' && !alone) leave(thread, true);
+    make_step(letter, thread, pusher, popper);
+  }
 }
 
 void QueueClient::make_step(char step, unsigned thread, unsigned pusher, unsigned popper) {
@@ -259,12 +263,23 @@ void QueueClient::close(unsigned thread, unsigned worker) {
   });
 }
 
-void QueueClient::leave(unsigned thread) {
-  const std::size_t number = call(QueueCall::Kind::leave, thread, thread);
-  finish(number, [&] {
-    queue_->leave(thread);
-    return true;
-  });
+// Those for whom the thread has acted since they left; or only if another one will.
+void QueueClient::leave(unsigned thread, bool hands_over) {
+  if (!entry_.methods.leave) return;
+  for (unsigned worker = 0; worker < shape_.threads.size(); ++worker) {
+    if (hands_over && worker == thread && entry_.claims.many_to_many()) continue;
+    const auto last =
+        std::ranges::find_if(operations_.rbegin(), operations_.rend(), [&](const auto& o) {
+          return o.phase == phase_ && o.thread == thread && o.worker == worker &&
+                 o.kind != QueueCall::Kind::close;
+        });
+    if (last == operations_.rend() || last->kind == QueueCall::Kind::leave) continue;
+    const std::size_t number = call(QueueCall::Kind::leave, thread, worker);
+    finish(number, [&] {
+      queue_->leave(worker);
+      return true;
+    });
+  }
 }
 
 void QueueClient::push_two(unsigned thread, unsigned worker) {

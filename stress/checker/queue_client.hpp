@@ -56,7 +56,7 @@ class QueueClient {
   void pop_wait(unsigned thread, unsigned worker);
   void pop_until(unsigned thread, unsigned worker);
   void close(unsigned thread, unsigned worker);
-  void leave(unsigned thread);
+  void leave(unsigned thread, bool hands_over);
   void push_two(unsigned thread, unsigned worker);
   void pop_two(unsigned thread, unsigned worker);
   void note_popped(std::size_t number, std::uint64_t value);

@@ -267,7 +267,8 @@ int stress_queues(const Options& options) {
   std::vector<const QueueEntry*> queues;
   for (const std::string& name : options.queues) {
     if (name == "all") {
-      for (const QueueEntry& entry : registry.entries()) queues.push_back(&entry);
+      for (const QueueEntry& entry : registry.entries())
+        queues.push_back(registry.find(entry.name));
     } else {
       queues.push_back(&registry.at(name));
     }

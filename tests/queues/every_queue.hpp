@@ -42,8 +42,6 @@ inline std::string test_name(const testing::TestParamInfo<QueueEntry>& info) {
 }  // namespace irt
 
 /// Instantiates the suite `Suite` for every queue.
-#define IRT_FOR_EVERY_QUEUE(Suite)                                                       \
-  INSTANTIATE_TEST_SUITE_P(All, Suite,                                                   \
-                           testing::ValuesIn(irt::queues_under_test().entries().begin(), \
-                                             irt::queues_under_test().entries().end()),  \
+#define IRT_FOR_EVERY_QUEUE(Suite)                                                            \
+  INSTANTIATE_TEST_SUITE_P(All, Suite, testing::ValuesIn(irt::queues_under_test().entries()), \
                            irt::test_name)

@@ -246,8 +246,8 @@ class Run::Hand {
     std::array<std::uint64_t, contention::bulk> elements{};
     std::uint64_t element = fresh();
     for (std::uint64_t& each : elements) each = element++;
-    const std::size_t taken =
-        several(me_.pushes, [&] { return queue_.push_bulk(thread_, elements); });
+    const std::size_t taken = several(
+        me_.pushes, [&] { return std::min(queue_.push_bulk(thread_, elements), elements.size()); });
     for (std::size_t i = 0; i < taken; ++i) me_.pushed_sum += elements[i];
     run_.inside_ += static_cast<std::int64_t>(taken);
     return taken;
@@ -255,7 +255,8 @@ class Run::Hand {
   std::size_t pop_bulk(std::size_t most) {
     std::array<std::uint64_t, contention::bulk> elements{};
     const auto room = std::span(elements).first(std::min(most, elements.size()));
-    const std::size_t found = several(me_.pops, [&] { return queue_.pop_bulk(thread_, room); });
+    const std::size_t found =
+        several(me_.pops, [&] { return std::min(queue_.pop_bulk(thread_, room), room.size()); });
     for (std::size_t i = 0; i < found; ++i) me_.popped_sum += elements[i];
     run_.inside_ -= static_cast<std::int64_t>(found);
     return found;

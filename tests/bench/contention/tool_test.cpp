@@ -69,7 +69,7 @@ std::string plugin(const std::string& name) {
 
 // Builds with a sanitizer do not.
 bool this_build_counts() {
-  return contention::not_countable("lock").empty();
+  return contention::not_countable(QueueRegistry(), "lock").empty();
 }
 
 struct Sweep : testing::Test {
@@ -211,7 +211,7 @@ TEST_F(Sweep, AnInterruptedOneKeepsItsResultsAndIsResumed) {
 }
 
 TEST_F(Sweep, RetriesAreThoseOfTheCountingBuild) {
-  if (!this_build_counts()) GTEST_SKIP() << contention::not_countable("lfree");
+  if (!this_build_counts()) GTEST_SKIP() << contention::not_countable(QueueRegistry(), "lfree");
   RunningTool tool(IRT_CONTENTION, with(quick, {"--queue", "lfree,faa", "--threads", "1,2",
                                                 "--repetitions", "1", "--work", "0"}));
   EXPECT_EQ(tool.wait(), 0) << tool.err();

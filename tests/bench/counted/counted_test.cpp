@@ -55,7 +55,7 @@ TEST(Counting, is_each_threads_own) {
 }
 
 AtomicEvents of_pairs(std::string_view name, unsigned pairs) {
-  const auto queue = counted_queue(name)->make_word_queue(1, 16);
+  const auto queue = counted_queue(QueueRegistry(), name)->make_word_queue(1, 16);
   std::uint64_t word = 0;
   atomic_events() = {};
   for (unsigned i = 0; i < pairs; ++i) {
@@ -75,13 +75,13 @@ TEST(CountedQueue, shows_the_algorithms_operations) {
 }
 
 TEST(CountedQueue, is_absent_where_it_cannot_be_seen) {
-  EXPECT_EQ(counted_queue("no such queue"), nullptr);
-  EXPECT_EQ(counted_queue("libcds-ms"), nullptr);
+  EXPECT_EQ(counted_queue(QueueRegistry(), "no such queue"), nullptr);
+  EXPECT_EQ(counted_queue(QueueRegistry(), "libcds-ms"), nullptr);
 }
 
 TEST(CountedPairs, come_from_both_builds_in_turn) {
   const QueueRegistry registry;
-  const CountedPairs pairs = count_pairs(registry.at("lfree"), *counted_queue("lfree"),
+  const CountedPairs pairs = count_pairs(registry.at("lfree"), *counted_queue(registry, "lfree"),
                                          {.threads = 2, .seconds = 0.02, .rounds = 3});
   EXPECT_EQ(pairs.plain_per_second.size(), 3U);
   EXPECT_EQ(pairs.counted_per_second.size(), 3U);

@@ -15,11 +15,14 @@ namespace irt {
 
 enum class Leaving : std::uint8_t { gives_back, forgets, beside_the_lock };
 
-template <class T, Leaving leaving>
+template <class T, Leaving leaving, Callers callers = Callers::many>
 class TwoAtATime_ {
  public:
   static constexpr std::string_view summary = "a list of which a handle takes two at a time";
-  static constexpr Claims claims{.ordering = Ordering::unordered, .empty = Answer::this_worker};
+  static constexpr Claims claims{.ordering = Ordering::unordered,
+                                 .empty = Answer::this_worker,
+                                 .producers = callers,
+                                 .consumers = callers};
 
   class Handle {
    public:
@@ -71,6 +74,9 @@ class TwoAtATime_ {
 
 template <class T>
 using TwoAtATime = TwoAtATime_<T, Leaving::gives_back>;
+/// One worker pushes and one pops, by whichever threads.
+template <class T>
+using TwoAtATimeForOne = TwoAtATime_<T, Leaving::gives_back, Callers::one>;
 template <class T>
 using TwoAtATimeForgets = TwoAtATime_<T, Leaving::forgets>;
 template <class T>

@@ -41,6 +41,7 @@ inline const std::vector<Case> cases{
     {"notified-twice-fixed", {}},
     {"closed-in-turn", {}},
     {"two-at-a-time", {}},
+    {"two-at-a-time-for-one", {}},
     {"two-at-a-time-forgets-bug", {FindingKind::wrong_outcome}},
     {"two-at-a-time-races-bug", {FindingKind::data_race}},
     {"drops-closed-bug", {FindingKind::wrong_outcome}},

@@ -51,6 +51,7 @@ constexpr irt::QueueEntry entries[] = {
     irt::queue_entry<irt::NotifiedTwiceFixed>("notified-twice-fixed"),
     irt::queue_entry<irt::ClosedInTurn>("closed-in-turn"),
     irt::queue_entry<irt::TwoAtATime>("two-at-a-time"),
+    irt::queue_entry<irt::TwoAtATimeForOne>("two-at-a-time-for-one"),
     irt::queue_entry<irt::TwoAtATimeForgets>("two-at-a-time-forgets-bug"),
     irt::queue_entry<irt::TwoAtATimeRaces>("two-at-a-time-races-bug"),
     irt::queue_entry<irt::DropsClosedBug>("drops-closed-bug"),

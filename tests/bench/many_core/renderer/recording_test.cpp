@@ -23,7 +23,7 @@ TEST(Recording, IsTheTreeThatTheEngineWorksThrough) {
   const Recording recording = record(workload, 3, go_on);
 
   const QueueRegistry queues;
-  const auto engine = workload.start_engine(workload.engine_options(1), queues.entries().front());
+  const auto engine = workload.start_engine(workload.engine_options(1), queues.first());
   const FrameStats frame = engine->run(workload.application());
   EXPECT_EQ(recording.tasks.size(), frame.total().tasks);
   EXPECT_EQ(recording.rays(), frame.rays());
