@@ -174,6 +174,9 @@ TEST(Empty, OfOneWorkerIsRefutedByThatWorkerAlone) {
   const History moved =
       history({{push(a0, 0, 1), empty(2, 3), pop(a0, 6, 7)}, {push(b0, 2, 3), pop(b0, 4, 5)}});
   EXPECT_TRUE(judge(moved, local, 0).violations.empty()) << "somebody was at work in between";
+  const History left = history(
+      {{push(a0, 0, 1), meet(2), empty(3, 4), pop(a0, 6, 7)}, {meet(2), {4, 5, 0, Kind::leave}}});
+  EXPECT_TRUE(judge(left, local, 0).violations.empty()) << "who leaves may give something back";
 }
 
 TEST(HappensBefore, FindsAnEmptyBehindABarrier) {
