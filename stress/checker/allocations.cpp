@@ -53,6 +53,7 @@ void Allocations::release(std::uintptr_t address, const void* pc) {
   state_.note(Look::Kind::release, address, 0);
   Block& block = watch_.free(address, pc);
   loops_.note_effect();
+  if (!state_.limits.kept_memory_leaks) freed_from_.insert(block.allocated_at);
   const unsigned thread = state_.current();
   block.freed_after = state_.graph.thread(thread).now.count[thread];
   state_.heap.free(block, thread, pc);

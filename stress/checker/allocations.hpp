@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,8 @@ class Allocations {
   [[nodiscard]] const std::vector<std::pair<unsigned, const void*>>& failed_at() const {
     return failed_at_;
   }
+  /// Whether the code has freed what it allocated at `pc` in any execution so far.
+  [[nodiscard]] bool frees_from(const void* pc) const { return freed_from_.contains(pc); }
   /// How many of `thread` have.
   [[nodiscard]] unsigned failed(unsigned thread) const;
 
@@ -40,6 +43,7 @@ class Allocations {
   Loops& loops_;
   MemoryWatch& watch_;
   std::vector<std::pair<unsigned, const void*>> failed_at_;
+  std::unordered_set<const void*> freed_from_;
   bool any_ = false;
 };
 

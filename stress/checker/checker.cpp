@@ -1,5 +1,6 @@
 #include "stress/checker/checker.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 
@@ -123,6 +124,17 @@ class Exploration {
     return std::move(result_);
   }
 
+  /// What only all executions together show.
+  void note_leaks(Result& result) const {
+    result.never_freed = execution_.never_freed();
+    if (result.finding) return;
+    auto late = execution_.late_leak();
+    if (!late) return;
+    result.finished = false;
+    result.finding = std::move(late->first);
+    result.schedule = {std::move(late->second), strategy_->resumes_waiting()};
+  }
+
  private:
   void begin_anew() {
     exchange_.reset();
@@ -169,7 +181,7 @@ class Exploration {
     if (!result_.uneven.empty() && options_.shards > 1) return false;  // all parts begin anew
     if (outcome == Outcome::found) {
       result_.finding = execution_.finding();
-      result_.schedule = {execution_.steps(), strategy_->resumes_waiting()};
+      result_.schedule = {execution_.steps_as_born(), strategy_->resumes_waiting()};
       return false;
     }
     if (outcome == Outcome::restart) {
@@ -180,6 +192,8 @@ class Exploration {
   }
 
   void note_limits() {
+    result_.threads =
+        std::max(result_.threads, static_cast<unsigned>(execution_.born().size()));
     result_.assumed_waits = execution_.assumed_waits();
     result_.incomplete = execution_.conclusion().incomplete();
     result_.incomplete_at = execution_.conclusion().incomplete_at();
@@ -227,7 +241,9 @@ Result check(const Program& program, const Options& options) {
     execution.conclusion().know(options.known);
     execution.conclusion().until(deadline);
     if (options.watch_orders) execution.orders().watch();
-    result = Exploration(program, options, execution).run();
+    Exploration exploration(program, options, execution);
+    result = exploration.run();
+    exploration.note_leaks(result);
     result.order_sites = execution.orders().sites();
     result.allocates = execution.allocations().any();
   }
@@ -242,6 +258,7 @@ void add_counts(Result& sum, const Result& part) {
   sum.blocked += part.blocked;
   sum.cut += part.cut;
   sum.assumed_waits += part.assumed_waits;
+  sum.threads = std::max(sum.threads, part.threads);
   sum.allocates = sum.allocates || part.allocates;
   sum.differs = sum.differs || part.differs;
 }
@@ -256,7 +273,9 @@ void confirm(const Program& program, const Options& options, Result& result) {
 
 std::unique_ptr<Execution> repeat(const Program& program, const Options& options,
                                   const Schedule& schedule) {
-  auto execution = std::make_unique<Execution>(program, options.limits);
+  Limits limits = options.limits;
+  limits.kept_memory_leaks = true;  // whether it is a leak was asked when it was found
+  auto execution = std::make_unique<Execution>(program, limits);
   execution->orders().weaken(options.weakened);
   execution->conclusion().know(options.known);
   for (;;) {

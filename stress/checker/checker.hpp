@@ -90,6 +90,9 @@ struct Result {
   /// The place in the code that it speaks of, or the call in which time ran out; null if none.
   const void* incomplete_at = nullptr;
   std::string time_went{};  ///< into the call that computes here, if it was that: "queue.hpp:12"
+  /// Where the code allocates what is lost and never freed: no finding, see Limits.
+  std::vector<const void*> never_freed{};
+  unsigned threads = 0;  ///< of the execution that had most
   Exchanged exchanged{};
   std::string uneven{};  ///< why equal threads were not exchanged after all; empty if not tried
   /// Estimated part of the work that was done, from 0 to 1; 0 where nobody knows. The tree of

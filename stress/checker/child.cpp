@@ -7,9 +7,9 @@
 
 namespace irt::checker {
 
-using Process = irt::Child;
+using Forked = irt::Child;
 
-Child::Child(const std::function<void(int line)>& work) try : Process(work) {
+Child::Child(const std::function<void(int line)>& work) try : Forked(work) {
 } catch (const std::runtime_error& error) {
   throw std::runtime_error(std::string("cannot divide the work: ") + error.what() +
                            "; --jobs 1 needs no other process");

@@ -37,7 +37,7 @@ std::vector<std::string> wrapped(std::string text, std::size_t room) {
 std::vector<std::uint32_t> users(const Execution& execution) {
   const Graph& graph = execution.graph();
   std::vector<std::uint32_t> result(graph.locations());
-  for (unsigned thread = 0; thread < execution.threads(); ++thread)
+  for (unsigned thread = 0; thread < shown_threads(execution); ++thread)
     for (const EventId id : graph.thread(thread).events) {
       const Event& event = graph.event(id);
       if (event.reads || event.writes) result[event.location] |= 1U << thread;
@@ -53,7 +53,7 @@ class Columns {
         operations_(operations),
         symbols_(symbols),
         values_(execution.heap()),
-        threads_(execution.threads()),
+        threads_(shown_threads(execution)),
         width_(threads_ <= most_columns ? page / std::max(threads_, 2U) : page),
         users_(users(execution)),
         shown_(execution.finding() ? execution.finding()->moments.size() : 0) {
@@ -65,7 +65,9 @@ class Columns {
     std::map<std::string, unsigned> lines;
     for (EventId id = 0; id < graph_.size(); ++id)
       if (const symbols::Line& source = symbols_.at(graph_.event(id).pc); source.number != 0)
-        if (++lines[source.file] > lines[file_]) file_ = source.file;
+        if (!symbols::is_standard_library(source.file) &&
+            ++lines[source.file] > lines[file_])
+          file_ = source.file;
   }
 
   std::string draw() {
@@ -204,8 +206,13 @@ class Columns {
     const bool touches = event.reads || event.writes;
     const bool alone = touches && (users_[event.location] & (users_[event.location] - 1)) == 0;
     if (alone && note.empty()) return;
+    // A thread's own look at its birth and note of its end tell nothing.
+    if (event.pc == nullptr && touches &&
+        Process::is_of_threads(graph_.location(event.location).address))
+      return;
     const std::string place = "  " + place_of(event.pc);
-    line(event.thread, place + describe(event, symbols_, values_, page - place.size()),
+    line(event.thread,
+         place + described(execution_, event, symbols_, values_, page - place.size()),
          fmt::format("{} {} {}", fmt::ptr(event.pc), static_cast<int>(event.kind), event.failed));
     if (!note.empty()) line(event.thread, "      ^ " + note);
     const std::size_t choice =

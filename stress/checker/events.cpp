@@ -16,10 +16,12 @@ void ExecutionParts::begin(Strategy& strategy) {
   loops.begin();
   allocations.begin();
   kernel.begin();
+  process.begin();
 }
 
 void Events::plain_read(std::uintptr_t address, std::size_t size, const void* pc) {
-  if (parts.state.on_own_stack(address)) return;
+  // Of a queue's client only its own calls are on its stack, which is nobody else's.
+  if (parts.state.on_own_stack(address) && parts.state.program.own_threads == 0) return;
   if (!parts.state.observed()) return parts.alone.pass_unwatched();
   parts.state.note(Look::Kind::read, address, size);
   parts.watch.touch(address, size, false, false, pc);
@@ -27,7 +29,10 @@ void Events::plain_read(std::uintptr_t address, std::size_t size, const void* pc
 
 void Events::plain_write(std::uintptr_t address, std::size_t size, const void* pc) {
   if (!parts.state.observed()) return void(++parts.state.beats);
-  if (parts.state.on_own_stack(address)) return parts.locations.end_on_stack(address, size);
+  if (parts.state.on_own_stack(address)) {
+    parts.locations.end_on_stack(address, size);
+    if (parts.state.program.own_threads == 0) return;
+  }
   parts.loops.note_effect();
   parts.state.note(Look::Kind::write, address, size);
   if (parts.state.phase == Phase::endless) parts.alone.note_write(address, size);

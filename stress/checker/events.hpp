@@ -10,6 +10,7 @@
 #include "stress/checker/locations.hpp"
 #include "stress/checker/loops.hpp"
 #include "stress/checker/memory_watch.hpp"
+#include "stress/checker/process.hpp"
 #include "stress/checker/turns.hpp"
 
 namespace irt::checker {
@@ -31,6 +32,7 @@ struct ExecutionParts {
   Allocations allocations{state, alone, loops, watch};
   Accesses accesses{state, turns, alone, loops, watch, locations};
   Kernel kernel{state, turns, alone, loops, accesses};
+  Process process{state, turns, accesses};
 };
 
 class Events final : public virtual_cores::Tenant {
@@ -69,6 +71,9 @@ class Events final : public virtual_cores::Tenant {
   }
   std::int64_t now() override { return parts.kernel.now(); }
   std::uint64_t random() override { return parts.kernel.random(); }
+  virtual_cores::Process* process() override {
+    return parts.state.program.own_threads != 0 ? &parts.process : nullptr;
+  }
   unsigned finished(unsigned core) override;
   void on_failure(const std::string& what, const void* pc) override;
   [[nodiscard]] std::uint64_t beats() const override { return parts.state.beats; }

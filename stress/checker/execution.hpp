@@ -5,8 +5,10 @@
 /// on memory; the *kernel* has locks and futexes; the *conclusion* says how it ends.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stress/checker/events.hpp"
@@ -40,6 +42,11 @@ class Execution {
   [[nodiscard]] const std::vector<Step>& steps() const { return parts_.state.steps; }
   /// From 0 on; the one that prepares and finishes has this number.
   [[nodiscard]] unsigned threads() const { return parts_.state.threads; }
+  /// Those that were born: of a program that begins threads itself, in this order.
+  [[nodiscard]] const std::vector<unsigned>& born() const { return parts_.process.born(); }
+  /// The steps with threads numbered as they were born: what another process that repeats them
+  /// numbers them by.
+  [[nodiscard]] std::vector<Step> steps_as_born() const;
   /// The past of `thread`, as a judge may need it between operations.
   [[nodiscard]] const Clock& clock_of(unsigned thread) const { return graph().thread(thread).now; }
   /// The thread that was stopped for good, if it came that far.
@@ -49,6 +56,11 @@ class Execution {
   [[nodiscard]] bool ended(unsigned thread) const { return parts_.turns.of(thread).done; }
   /// Where a thread waits that did not come to its end; null if it did, or if it was on its way.
   [[nodiscard]] const Turns::Thread* standing(unsigned thread) const;
+  /// A leak of an execution that was none at the time, for nothing of that place had been freed in
+  /// any by then.
+  [[nodiscard]] std::optional<std::pair<Finding, std::vector<Step>>> late_leak() const;
+  /// Where the code allocates what is lost and never freed, which is no finding.
+  [[nodiscard]] std::vector<const void*> never_freed() const;
   /// Loops that were taken to wait although their state changed.
   [[nodiscard]] std::size_t assumed_waits() const { return parts_.loops.assumed_waits(); }
 
@@ -57,10 +69,16 @@ class Execution {
   void finish();
   void judge();
   void look_for_leaks();
+  [[nodiscard]] std::vector<virtual_cores::Range> roots() const;
 
   static Execution* running;
   Events events_;
   ExecutionParts& parts_ = events_.parts;
+  struct Lost {
+    std::size_t bytes;
+    std::vector<Step> steps;
+  };
+  std::map<const void*, Lost> never_freed_;  ///< by place: the first execution that lost some
   virtual_cores::SpinWatch spin_watch_{parts_.state.cores};
 };
 

@@ -16,7 +16,7 @@ ExecutionState::ExecutionState(const Program& checked, const Limits& bounds,
                                virtual_cores::Tenant& tenant)
     : program(checked),
       limits(bounds),
-      threads(static_cast<unsigned>(checked.threads.size())),
+      threads(static_cast<unsigned>(checked.threads.size()) + checked.own_threads),
       cores(tenant, threads + 1, stack_of_a_thread),
       stack_bytes(cores.stack_bytes()),
       graph(threads + 1),
@@ -35,6 +35,7 @@ void ExecutionState::begin(Strategy& decides) {
   conclusion.begin();
   if (diary != nullptr) diary->clear();
   if (program.module != nullptr) program.module->reset_globals();
+  if (program.afresh) program.afresh();
 }
 
 void ExecutionState::arm(unsigned core, const std::function<void()>& work) {

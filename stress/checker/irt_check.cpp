@@ -1,4 +1,4 @@
-// `irt check`: explores what a queue can do, and answers with a proof for the bound or with the few
+// `irt check`: explores what a program or a queue can do, and answers with a proof for the bound or with the few
 // steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line, or code
 // that cannot be looked at; 3: a crash of the checker.
 
@@ -14,6 +14,7 @@
 #include "stress/checker/batteries.hpp"
 #include "stress/checker/mutants_check.hpp"
 #include "stress/checker/parts.hpp"
+#include "stress/checker/program_command.hpp"
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/scenario_search.hpp"
 #include "stress/checker/verdict.hpp"
@@ -36,6 +37,9 @@ struct CommandLine {
   std::string queue;
   std::vector<std::string> plugins;
   std::string module;
+  std::string program;  ///< as the user gave it, of which `module` was built; empty: a queue
+  std::vector<std::string> arguments;
+  bool unfreed = false;
   std::string scenario;
   std::string element;  ///< the kind of elements; empty: words
   unsigned threads = 0;
@@ -150,7 +154,7 @@ void prepare(CommandLine& line) {
     // One part might find that equal threads are not, and the others, elsewhere, rely on it.
     options.symmetry = false;
   }
-  line.module = module_of(line);
+  if (line.program.empty()) line.module = module_of(line);
 }
 
 int run_mutants(CommandLine& line) {
@@ -162,10 +166,6 @@ int run_mutants(CommandLine& line) {
   return kill_matrix(module, line.kill) ? 0 : 1;
 }
 
-constexpr const char* stale =
-    "The schedule finds nothing now: the code, its compiler or an option of the run (capacity, "
-    "--reuse, --spurious, --weak, --failing-allocations, --real-time) is not what it was.\n";
-
 int run_scenario(const CommandLine& line, const irt::QueueEntry& entry,
                  irt::virtual_cores::Module& module, const std::string& command) {
   const checker::CheckSettings& settings = line.settings;
@@ -176,7 +176,7 @@ int run_scenario(const CommandLine& line, const irt::QueueEntry& entry,
   if (!line.replay.empty()) {
     const std::string report =
         checker::replay(entry, module, scenario, settings, line.replay, line.dot_file);
-    std::cout << (report.empty() ? stale : report);
+    std::cout << (report.empty() ? std::string(checker::stale_schedule) : report);
     return report.empty() ? 0 : 1;
   }
   if (!settings.quiet)
@@ -212,6 +212,54 @@ irt::QueueEntry with_elements(const irt::QueueEntry& entry, const std::string& n
         name, entry.name, kind.words, name));
   }
   throw irt::UsageError("--element " + name + ": there are large, owner and copied");
+}
+
+/// How the user calls this again for the same program, but for what is to be found.
+std::string program_command(const CommandLine& line) {
+  const checker::Limits& limits = line.settings.options.limits;
+  std::string command = "irt check " + line.program;
+  if (const char* given = std::getenv("IRT_PROGRAM_GIVEN"))  // NOLINT(concurrency-mt-unsafe)
+    command = std::string("irt check ") + given;
+  if (line.threads != 0) command += fmt::format(" --threads {}", line.threads);
+  if (!limits.races) command += " --allow-races";
+  if (limits.reuse_memory) command += " --reuse";
+  if (limits.spurious_wakeups) command += " --spurious";
+  if (limits.weak_may_fail) command += " --weak";
+  if (!limits.leaks) command += " --no-leaks";
+  if (limits.failing_allocations != 0)
+    command += fmt::format(" --failing-allocations {}", limits.failing_allocations);
+  return command;
+}
+
+int run_program(const CommandLine& line) {
+  const checker::CheckSettings& settings = line.settings;
+  if (settings.search == checker::Search::exhaustive || !settings.search) {
+    // Both are about shapes of queues.
+    if (settings.all_clients != 0 || !settings.shapes.empty() || !line.scenario.empty())
+      throw irt::UsageError("a program has no shapes, scenarios or clients; --queue takes a queue");
+  }
+  checker::ProgramCommand command{.module = line.module,
+                                  .command = program_command(line),
+                                  .replay = line.replay,
+                                  .dot_file = line.dot_file,
+                                  .json_file = line.json_file,
+                                  .settings = {.name = line.program,
+                                               .arguments = line.arguments,
+                                               .search = settings.search,
+                                               .seconds = settings.seconds,
+                                               .unfreed = line.unfreed,
+                                               .conduct = {.jobs = settings.jobs,
+                                                           .keep_going = settings.keep_going,
+                                                           .quiet = settings.quiet,
+                                                           .reports = true},
+                                               .options = settings.options}};
+  if (line.threads != 0) command.settings.threads = line.threads;
+  if (command.settings.threads > checker::most_program_threads)
+    throw irt::UsageError(fmt::format("--threads {}: a program has at most {}", line.threads,
+                                      checker::most_program_threads));
+  for (const std::string& argument : line.arguments)
+    command.command += (&argument == line.arguments.data() ? " -- " : " ") + argument;
+  return checker::run_program_command(command);
 }
 
 int run(const CommandLine& line) {
@@ -263,7 +311,7 @@ int run(const CommandLine& line) {
     const std::string report = checker::replay(entry, module, settings, settings.shapes.front(),
                                                line.replay, line.dot_file);
     if (report.empty()) {
-      std::cout << stale;
+      std::cout << checker::stale_schedule;
       return 0;
     }
     std::cout << report;
@@ -276,18 +324,12 @@ int run(const CommandLine& line) {
     return 0;
   }
   const checker::QueueResult result = checker::check_queue(entry, module, settings, command);
-  if (!result.refused.empty())
+  if (!result.unseen.refused.empty())
     throw irt::UsageError(
-        fmt::format("queue {} cannot be checked: {}", entry.name, result.refused));
+        fmt::format("queue {} cannot be checked: {}", entry.name, result.unseen.refused));
   for (const checker::ShapeResult& shape : result.shapes)
     if (!shape.report.empty()) std::cout << '\n' << shape.report;
-  if (!settings.quiet && !result.unseen.empty())
-    fmt::print("\nNot seen by the checker, for it is compiled code, so nothing is proved: {}\n",
-               fmt::join(result.unseen, ", "));
-  if (!settings.quiet && !result.unseen_instructions.empty())
-    fmt::print(
-        "\nNot seen by the checker, for no compiler announces it, so nothing is proved: {}\n",
-        fmt::join(result.unseen_instructions, ", "));
+  if (!settings.quiet) std::cout << words(result.unseen);
   const std::string verdict = checker::verdict(entry.name, result);
   if (!settings.quiet) fmt::print("\n{}\n", verdict);
   if (!line.json_file.empty()) {
@@ -296,8 +338,8 @@ int run(const CommandLine& line) {
            {"found", result.found},
            {"seed", settings.options.seed},
            {"capacity", settings.capacity},
-           {"unseen", result.unseen},
-           {"unseen_instructions", result.unseen_instructions},
+           {"unseen", result.unseen.calls},
+           {"unseen_instructions", result.unseen.instructions},
            {"shapes", json::array()}};
     for (const checker::ShapeResult& shape : result.shapes) j["shapes"].push_back(to_json(shape));
     std::ofstream(line.json_file) << j.dump(2) << '\n';
@@ -310,7 +352,7 @@ int run(int argc, char** argv) {
   checker::CheckSettings& settings = line.settings;
   settings.jobs = checker::processors();
   CLI::App app{
-      "Explores every behaviour of a queue within a bound; docs/checker.md says what a "
+      "Explores every behaviour of a program, or of a queue within a bound; docs/checker.md says what a "
       "pass means."};
   app.name("irt check");
   auto* queue = app.add_option("--queue", line.queue, "a queue of `irt list`");
@@ -320,6 +362,10 @@ int run(int argc, char** argv) {
       ->check(CLI::ExistingFile)
       ->excludes(queue)
       ->excludes(plugins);
+  app.add_option("--program", line.program,
+                 "what the module is of that --module names, if it is a program and no queue; "
+                 "`irt check test.cpp` builds it and says so itself");
+  app.add_option("arguments", line.arguments, "of the program, after --");
   auto* shapes = app.add_option(
       "--shape", settings.shapes,
       "threads as letters, e.g. EE|D|DE; E push, D pop, R pop one and push two, S signal, "
@@ -328,7 +374,9 @@ int run(int argc, char** argv) {
   app.add_option("--scenario", line.scenario,
                  "instead of shapes a scenario of `irt stress`, sampled (docs/stress.md has them)")
       ->excludes(shapes);
-  app.add_option("--threads", line.threads, "a shape of that many threads instead ...");
+  app.add_option("--threads", line.threads,
+                 "of a program: at most, that of main included (default: 8); of a queue: a shape of "
+                 "that many threads instead ...");
   app.add_option("--ops", line.operations, "... each with that many pushes, then as many pops");
   app.add_option("--strategy", line.strategy,
                  "auto: exhaustive; where time runs out, bounded, pos and pct")
@@ -368,6 +416,10 @@ int run(int argc, char** argv) {
                "data races are no findings (a formal fault of some libraries)");
   app.add_flag("!--no-symmetry", settings.options.symmetry,
                "explore equal threads in every order, not only in one of each");
+  app.add_flag("!--no-leaks", settings.options.limits.leaks, "memory that is lost is no finding");
+  app.add_flag("--unfreed", line.unfreed,
+               "of a program: memory that is lost is a finding, too, where nothing of the kind is "
+               "ever freed");
   app.add_flag("--reuse", settings.options.limits.reuse_memory,
                "a thread may get its freed memory back at once (ABA)");
   auto* failing =
@@ -400,7 +452,7 @@ int run(int argc, char** argv) {
   if (!line.merge.empty()) return merge(line.merge);
   if (line.mutants) return run_mutants(line);
   prepare(line);
-  return run(line);
+  return line.program.empty() ? run(line) : run_program(line);
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ void each_pointed_at(Heap& heap, virtual_cores::Range range, Found found) {
 
 }  // namespace
 
-const Block* first_lost(Heap& heap, std::span<const virtual_cores::Range> roots) {
+std::vector<const Block*> lost_blocks(Heap& heap, std::span<const virtual_cores::Range> roots) {
   const std::vector<Block>& blocks = heap.blocks();
-  if (std::ranges::all_of(blocks, &Block::freed)) return nullptr;
+  if (std::ranges::all_of(blocks, &Block::freed)) return {};
   std::vector<bool> kept(blocks.size());
   std::vector<const Block*> open;
   const auto keep = [&](const Block& block) {
@@ -58,9 +58,11 @@ const Block* first_lost(Heap& heap, std::span<const virtual_cores::Range> roots)
                         led_to[static_cast<std::size_t>(&to - blocks.data())] = true;
                     });
   }
+  std::vector<const Block*> lost;
   for (std::size_t i = 0; i < blocks.size(); ++i)
-    if (is_lost(i) && !led_to[i]) return &blocks[i];
-  return first;
+    if (is_lost(i) && !led_to[i]) lost.push_back(&blocks[i]);
+  if (lost.empty() && first != nullptr) lost.push_back(first);
+  return lost;
 }
 
 }  // namespace irt::checker

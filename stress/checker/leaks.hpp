@@ -7,15 +7,15 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "stress/checker/heap.hpp"
 #include "stress/virtual_cores/virtual_cores.hpp"
 
 namespace irt::checker {
 
-/// The first lost block that no other lost block leads to, in the order of allocation, or if they
-/// go round in a circle the first of all; null if none is lost. `roots` is the memory that is in
-/// use.
-const Block* first_lost(Heap& heap, std::span<const virtual_cores::Range> roots);
+/// The lost blocks that no other lost block leads to, in the order of allocation, or if they go
+/// round in a circle the first of all. `roots` is the memory that is in use.
+std::vector<const Block*> lost_blocks(Heap& heap, std::span<const virtual_cores::Range> roots);
 
 }  // namespace irt::checker

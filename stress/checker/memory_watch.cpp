@@ -43,7 +43,7 @@ void MemoryWatch::touch(std::uintptr_t address, std::size_t size, bool writes, b
   if (++state_.walk > Alone::long_walk) alone_.walk(address, size, writes, atomic, pc);
   // Only what threads do at the same time can race.
   const bool shared = state_.phase == Phase::parallel;
-  if (!shared && !state_.heap.owns(address)) return;
+  if (!state_.heap.owns(address) && (!shared || virtual_cores::is_of_library(address))) return;
   const unsigned thread = state_.current();
   Touch touch{static_cast<std::uint8_t>(thread), 0, writes, atomic, 0, 0, pc};
   touch.moment = static_cast<std::uint16_t>(state_.graph.thread(thread).now.count[thread] + 1);

@@ -201,6 +201,9 @@ class Parts {
               return s.pc == site.pc && s.failure == site.failure;
             }))
           sum.order_sites.push_back(site);
+      for (const void* place : part.never_freed)
+        if (std::ranges::find(sum.never_freed, place) == sum.never_freed.end())
+          sum.never_freed.push_back(place);
       sum.histories.insert(sum.histories.end(), part.histories.begin(), part.histories.end());
       if (sum.incomplete.empty() && (!part.incomplete.empty() || sum.incomplete_at == nullptr)) {
         sum.incomplete = part.incomplete;

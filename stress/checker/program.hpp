@@ -20,6 +20,8 @@ class Execution;
 /// needs destruction.
 struct Program {
   std::vector<std::function<void()>> threads;
+  /// So many more the code may begin itself, at most; it is a process then, which it may also end.
+  unsigned own_threads = 0;
   /// So many calls of `grow_older`, numbered from 0, come before `prepare`: natively, and once for
   /// all executions (see ageing.hpp). Programs with equal `aged_what` do the same there and may
   /// share what came of it.
@@ -38,6 +40,7 @@ struct Program {
   /// with a judge are not exchanged without it.
   std::function<std::uint64_t()> outcome{};
   virtual_cores::Module* module = nullptr;  ///< its globals start afresh each time
+  std::function<void()> afresh{};           ///< before each execution, outside of the cores
   /// By thread: those of one number seem to do the same; empty: none do. See exchange.hpp.
   std::vector<unsigned> roles{};
 };
@@ -57,6 +60,8 @@ struct Limits {
   bool weak_may_fail = false;        ///< compare_exchange_weak fails for no reason, as a choice
   bool spurious_wakeups = false;     ///< futex and condition waits end for no reason, as a choice
   bool leaks = true;                 ///< blocks that are never freed are findings
+  /// What is allocated where the code never frees anything is a leak, too.
+  bool kept_memory_leaks = true;
   bool uninitialised = true;         ///< reads of memory that nothing was written to are findings
   bool races = true;  ///< data races are findings; if not, plain reads see what memory holds
 };

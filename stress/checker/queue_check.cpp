@@ -15,9 +15,9 @@
 #include "stress/checker/parking.hpp"
 #include "stress/checker/result_bytes.hpp"
 #include "stress/checker/shape_search.hpp"
+#include "stress/checker/unseen.hpp"
 #include "stress/checker/verdict.hpp"
 #include "stress/checker/worker_pool.hpp"
-#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
 
@@ -38,21 +38,6 @@ constexpr double aged = 0.9;
 constexpr double real_time = 0.95;
 constexpr double all = 1;
 }  // namespace until
-
-/// Whether an instruction that nothing announces, as Symbols names it, is an atomic operation.
-bool is_atomic(const std::string& instruction) {
-  for (const char* name : {"lock ", "xchg", "cmpxchg", "xadd"})
-    if (instruction.starts_with(name)) return true;
-  return false;
-}
-
-/// What the module does without telling, found once for each.
-const symbols::UnseenInstructions& unseen_instructions_of(virtual_cores::Module& module) {
-  static std::map<std::pair<std::string, std::uintptr_t>, symbols::UnseenInstructions> known;
-  const auto [found, fresh] = known.try_emplace({module.file(), module.load_offset()});
-  if (fresh) found->second = symbols::Symbols(module).unseen_instructions();
-  return found->second;
-}
 
 /// Who waits for an element that there was no memory for would wait for ever.
 bool waits(const std::string& shape) {
@@ -113,23 +98,13 @@ class QueueCheck {
   }
 
   QueueResult run() {
-    all_.unseen = module_.unseen_calls();
-    const symbols::UnseenInstructions& unseen = unseen_instructions_of(module_);
-    if (settings_.reports) all_.unseen_instructions = unseen.places;
-    if (!all_.unseen.empty())
-      all_.unproved = "it calls compiled code";
-    else if (settings_.reports && unseen.stores != 0)
-      all_.unproved = fmt::format(
-          "it makes {} store{} that no hook announces, so that nobody knows what was written",
-          unseen.stores, unseen.stores == 1 ? "" : "s");
-    else if (!all_.unseen_instructions.empty())
-      all_.unproved = "not all that it does to memory is seen";
-    const auto hidden = std::ranges::find_if(all_.unseen_instructions, is_atomic);
-    if (hidden != all_.unseen_instructions.end()) {
-      all_.refused = "its atomic operations are assembly, which nothing announces (" + *hidden +
-                     "): whatever was found might not be its own";
-      return std::move(all_);
+    all_.unseen = unseen_of(module_);
+    if (!settings_.reports) {
+      all_.unseen.instructions.clear();
+      all_.unseen.refused.clear();
+      if (all_.unseen.calls.empty()) all_.unseen.unproved.clear();
     }
+    if (!all_.unseen.refused.empty()) return std::move(all_);
     if (!settings_.quiet && pop_waits(entry_, module_))
       fmt::print(
           "the pop of an empty queue does not return: the contract has pop_wait, with close(), for "
@@ -432,8 +407,7 @@ class QueueCheck {
 }  // namespace
 
 CheckSettings as_seen(CheckSettings settings, virtual_cores::Module& module) {
-  if (!module.unseen_calls().empty() || unseen_instructions_of(module).stores != 0)
-    settings.options.limits.uninitialised = false;
+  settings.options.limits = as_seen(settings.options.limits, module);
   return settings;
 }
 

@@ -7,6 +7,7 @@
 
 #include "stress/checker/checker.hpp"
 #include "stress/checker/queue_client.hpp"
+#include "stress/checker/unseen.hpp"
 
 namespace irt::checker {
 
@@ -47,19 +48,15 @@ struct ShapeResult {
 
 struct QueueResult {
   std::vector<ShapeResult> shapes;
-  std::vector<std::string> unseen;               ///< calls into code that the checker does not see
-  std::vector<std::string> unseen_instructions;  ///< see Symbols; left empty without `reports`
-  std::string unproved;                          ///< see ShapeResult
+  Unseen unseen;  ///< its instructions and what they mean are left out without `reports`
   /// Executions differ somewhere, see Result: what was found is withheld.
   bool differs = false;
-  std::string refused;  ///< why the queue cannot be checked; empty if it was
   bool found = false;
   unsigned all_clients = 0;   ///< see CheckSettings
   std::size_t not_tried = 0;  ///< of these clients
 };
 
-/// `settings` without what cannot be judged of this module: where compiled code or a store that no
-/// hook announces may write, nobody knows what memory was not written.
+/// With the limits `as_seen` there.
 CheckSettings as_seen(CheckSettings settings, virtual_cores::Module& module);
 
 /// Checks the queue in `module`. Stops at the first finding, unless it is to keep going: then each

@@ -23,6 +23,11 @@ struct Schedule {
   bool waiting_resumes = true;
 };
 
+/// What to say of one that does not find again what it was found with.
+inline constexpr const char* stale_schedule =
+    "The schedule finds nothing now: the code, its compiler or an option of the run (capacity, "
+    "--reuse, --spurious, --weak, --failing-allocations, --real-time) is not what it was.\n";
+
 std::string to_string(const Schedule& schedule);
 /// Throws std::invalid_argument that says what is wrong with `text`.
 Schedule parse_schedule(std::string_view text);

@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "stress/checker/values.hpp"
 
 namespace irt::checker {
 
@@ -32,7 +31,7 @@ std::vector<EventId> last_round(const Execution& execution, unsigned thread, con
   std::set<const void*> seen;
   for (std::size_t i = events.size(); i-- > 0;) {
     const Event& event = graph.event(events[i]);
-    if (!event.reads) continue;
+    if (!event.reads || event.pc == nullptr) continue;
     if (!seen.insert(event.pc).second) break;
     reads.insert(reads.begin(), events[i]);
     if (event.pc == pc) break;
@@ -41,6 +40,15 @@ std::vector<EventId> last_round(const Execution& execution, unsigned thread, con
 }
 
 }  // namespace
+
+std::string described(const Execution& execution, const Event& event, Symbols& symbols,
+                      Values& values, std::size_t width) {
+  if (event.reads || event.writes) {
+    const std::uintptr_t address = execution.graph().location(event.location).address;
+    if (std::string what = Process::what_is(address, event.writes); !what.empty()) return what;
+  }
+  return describe(event, symbols, values, width);
+}
 
 std::string sentence(const Finding& finding, Symbols& symbols) {
   std::string text = finding.text;
@@ -88,7 +96,7 @@ std::string standings(const Execution& execution, Symbols& symbols) {
   constexpr std::size_t most = 6;
   Values values(execution.heap());
   std::string text = "Where the threads stand:\n";
-  for (unsigned thread = 0; thread < execution.threads(); ++thread) {
+  for (unsigned thread = 0; thread < shown_threads(execution); ++thread) {
     const Turns::Thread* standing = execution.standing(thread);
     const auto& events = execution.graph().thread(thread).events;
     const void* last = events.empty() ? nullptr : execution.graph().event(events.back()).pc;
@@ -114,7 +122,7 @@ std::string standings(const Execution& execution, Symbols& symbols) {
     for (std::size_t i = 0; i < std::min(reads.size(), most); ++i) {
       const Event& read = execution.graph().event(reads[i]);
       text += fmt::format("    {} {}, {}\n", symbols.name(read.pc),
-                          describe(read, symbols, values, 70), origin(execution, read, symbols));
+                          described(execution, read, symbols, values, 70), origin(execution, read, symbols));
     }
     if (reads.size() > most) text += fmt::format("    and {} more\n", reads.size() - most);
   }
@@ -183,18 +191,18 @@ std::string picture(const Execution& execution, const std::vector<QueueCall>& op
 std::string dot(const Execution& execution, Symbols& symbols) {
   const Graph& graph = execution.graph();
   std::vector<const void*> pcs;
-  for (unsigned thread = 0; thread < execution.threads(); ++thread)
+  for (unsigned thread = 0; thread < shown_threads(execution); ++thread)
     for (const EventId id : graph.thread(thread).events) pcs.push_back(graph.event(id).pc);
   symbols.look_up(pcs);
   Values values(execution.heap());
   std::string text = "digraph execution {\n  node [shape=box, fontname=monospace];\n";
-  for (unsigned thread = 0; thread < execution.threads(); ++thread) {
+  for (unsigned thread = 0; thread < shown_threads(execution); ++thread) {
     text += fmt::format("  subgraph cluster_{0} {{ label=\"thread {0}\";\n", thread);
     EventId before = no_event;
     for (const EventId id : graph.thread(thread).events) {
       const Event& event = graph.event(id);
       text += fmt::format("    e{} [label=\"{}\\n{}\"];\n", id, symbols.name(event.pc),
-                          quoted(describe(event, symbols, values, 60)));
+                          quoted(described(execution, event, symbols, values, 60)));
       if (before != no_event) text += fmt::format("    e{} -> e{};\n", before, id);
       before = id;
     }
@@ -202,7 +210,7 @@ std::string dot(const Execution& execution, Symbols& symbols) {
   }
   const auto drawn = [&](EventId id) {
     return graph.event(id).kind != EventKind::initial &&
-           graph.event(id).thread < execution.threads();
+           graph.event(id).thread < shown_threads(execution);
   };
   for (EventId id = 0; id < graph.size(); ++id)
     if (drawn(id) && graph.event(id).reads && drawn(graph.event(id).from))

@@ -6,11 +6,19 @@
 
 #include "stress/checker/checker.hpp"
 #include "stress/checker/queue_calls.hpp"
+#include "stress/checker/values.hpp"
 #include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
 
-using symbols::Symbols;
+/// Those that were born: the others have nothing to show.
+inline unsigned shown_threads(const Execution& execution) {
+  return static_cast<unsigned>(execution.born().size());
+}
+
+/// What the event did: by its line of source, or as what a process does with its threads.
+std::string described(const Execution& execution, const Event& event, Symbols& symbols,
+                      Values& values, std::size_t width);
 
 /// The finding's sentence with its places as file:line.
 std::string sentence(const Finding& finding, Symbols& symbols);

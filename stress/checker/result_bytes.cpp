@@ -34,10 +34,12 @@ std::string to_bytes(const Result& r) {
   w.put_all(r.time_went);
   for (const std::uint64_t count : {r.executions, r.complete, r.blocked, r.cut}) w.put(count);
   w.put(r.assumed_waits);
+  w.put(r.threads);
   w.put(r.allocates);
   w.put(r.finished);
   w.put(r.explored);
   w.put(r.seconds);
+  w.put_all(r.never_freed);
   w.put(r.exchanged);
   w.put_all(r.uneven);
   return std::move(w.bytes);
@@ -72,10 +74,12 @@ Result from_bytes(const std::string& bytes) {
   for (std::uint64_t* count : {&r.executions, &r.complete, &r.blocked, &r.cut})
     *count = in.take<std::uint64_t>();
   r.assumed_waits = in.take<std::size_t>();
+  r.threads = in.take<unsigned>();
   r.allocates = in.take<bool>();
   r.finished = in.take<bool>();
   r.explored = in.take<double>();
   r.seconds = in.take<double>();
+  r.never_freed = in.take_all<std::vector<const void*>>();
   r.exchanged = in.take<Exchanged>();
   r.uneven = in.take_all<std::string>();
   return r;

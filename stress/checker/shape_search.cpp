@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
-#include <utility>
 
 #include "stress/checker/deadline.hpp"
-#include "stress/checker/parts.hpp"
 #include "stress/checker/progress.hpp"
 #include "stress/checker/queue_client.hpp"
 #include "stress/checker/report.hpp"
@@ -34,45 +32,8 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
 
 }  // namespace
 
-std::string_view name_of(Search search) {
-  switch (search) {
-    case Search::exhaustive:
-      return "exhaustive";
-    case Search::bounded:
-      return "bounded";
-    case Search::random:
-      return "random";
-    case Search::pct:
-      return "pct";
-    case Search::pos:
-      return "pos";
-  }
-  return "?";
-}
-
-void ShapeSearch::place(Result& result) {
-  if (result.incomplete_at == nullptr) return;
-  const std::string where = Symbols(module_).name(result.incomplete_at);
-  if (result.incomplete.empty())
-    result.time_went = where;
-  else
-    result.incomplete += " at " + where;
-  result.incomplete_at = nullptr;
-}
-
-bool ShapeSearch::is_new(const Finding& finding) {
-  known_.push_back(finding);
-  if (!settings_.reports) return true;
-  // One line of source may have been compiled into several places.
-  Symbols symbols(module_);
-  std::string key = sentence(finding, symbols);
-  std::erase_if(key, [&](char c) { return finding.places.empty() && c >= '0' && c <= '9'; });
-  return reported_.insert(std::string(checker::name_of(finding.kind)) + key).second;
-}
-
 void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bounds,
                          const std::function<void(ShapeResult)>& found) {
-  const Stopwatch stopwatch;
   QueueClient client(entry_, parse_shape(shape.shape), settings_.capacity, &module_, bounds.clocked,
                      aged_);
   Options options = settings_.options;
@@ -88,31 +49,16 @@ void ShapeSearch::search(ShapeResult& shape, Search kind, const SearchBounds& bo
   if (bounds.clocked) command += " --real-time";
   if (options.limits.failing_allocations != settings_.options.limits.failing_allocations)
     command += fmt::format(" --failing-allocations {}", options.limits.failing_allocations);
-  for (;;) {
-    const double spent = stopwatch.seconds();
-    options.seconds = std::max(bounds.seconds - spent, 0.01);
-    if (settings_.keep_going) options.known = known_;
-    const Result before =
-        std::exchange(shape.result, check_in_parts(client.program(), options, settings_.jobs));
-    Result& result = shape.result;
-    place(result);
-    add_counts(result, before);
-    result.seconds += before.seconds;
-    if (result.incomplete.empty()) result.incomplete = before.incomplete;
-    shape.histories = std::max(shape.histories, result.histories.size());
-    if (!result.finding) return;
-    const bool is_news = is_new(*result.finding);
-    if (is_news && settings_.reports)
-      shape.report =
-          report_of(client, options, simplest(client.program(), options, result), module_, command);
-    if (!settings_.keep_going) return;
-    if (is_news) found(shape);
-    result.finding.reset();
-    shape.report.clear();
-    if (result.incomplete.empty())
-      result.incomplete = "some executions end in what is reported already";
-    if (spent > bounds.seconds) return;
-  }
+  shape.report = search_.search(
+      client.program(), options, bounds.seconds, shape.result,
+      [&](const Options& used, const Result& result) {
+        return report_of(client, used, result, module_, command);
+      },
+      [&](const std::string& report) {
+        shape.report = report;
+        found(shape);
+      });
+  shape.histories = std::max(shape.histories, shape.result.histories.size());
 }
 
 ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
@@ -133,9 +79,9 @@ ShapeResult ShapeSearch::stall(const std::string& text, double seconds) {
   shape.result.finished = stalls.finished;
   shape.result.incomplete = stalls.incomplete;
   shape.result.incomplete_at = stalls.incomplete_at;
-  place(shape.result);
+  search_.place(shape.result);
   shape.result.finding = stalls.finding;
-  if (stalls.finding && !is_new(*stalls.finding) && settings_.keep_going) {
+  if (stalls.finding && !search_.is_new(*stalls.finding) && settings_.keep_going) {
     shape.result.finding.reset();
     shape.report.clear();
   }

@@ -3,9 +3,9 @@
 
 #include <functional>
 #include <memory>
-#include <set>
 #include <string>
 
+#include "stress/checker/program_search.hpp"
 #include "stress/checker/queue_check.hpp"
 
 namespace irt::checker {
@@ -19,16 +19,19 @@ struct SearchBounds {
   unsigned failing_allocations = 0;
 };
 
-/// "exhaustive", "bounded", ...
-std::string_view name_of(Search search);
-
-/// Searches shapes of one queue. With `keep_going` it knows what it has found before, and a search
-/// goes on past it.
+/// Searches shapes of one queue.
 class ShapeSearch {
  public:
   ShapeSearch(const QueueEntry& entry, virtual_cores::Module& module, const CheckSettings& settings,
               const std::string& command)
-      : entry_(entry), module_(module), settings_(settings), command_(command) {}
+      : entry_(entry),
+        module_(module),
+        settings_(settings),
+        command_(command),
+        search_(module, {.jobs = settings.jobs,
+                         .keep_going = settings.keep_going,
+                         .quiet = settings.quiet,
+                         .reports = settings.reports}) {}
 
   /// Adds its work to what `shape` holds already. Each finding but the one in `shape` after it goes
   /// to `found`.
@@ -39,17 +42,12 @@ class ShapeSearch {
   ShapeResult stall(const std::string& shape, double seconds);
 
  private:
-  bool is_new(const Finding& finding);
-  /// Says in words where the limit was that `result` has reached.
-  void place(Result& result);
-
   const QueueEntry& entry_;
   virtual_cores::Module& module_;
   const CheckSettings& settings_;
   const std::string& command_;
   std::shared_ptr<AgedMemory> aged_ = std::make_shared<AgedMemory>();
-  std::vector<Finding> known_;
-  std::set<std::string> reported_;  ///< kinds and lines
+  ProgramSearch search_;
 };
 
 }  // namespace irt::checker

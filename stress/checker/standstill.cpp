@@ -20,7 +20,7 @@ Finding explained(const ExecutionState& state, const Turns& turns) {
   Finding finding{FindingKind::deadlock, "", {}};
   for (unsigned thread = 0; thread < state.threads; ++thread) {
     const Turns::Thread& t = turns.of(thread);
-    if (t.done) continue;
+    if (t.done || t.unborn) continue;
     const std::string place = "{" + std::to_string(finding.places.size()) + "}";
     finding.places.push_back(t.wait_pc);
     if (!finding.text.empty()) finding.text += "; ";
@@ -28,7 +28,7 @@ Finding explained(const ExecutionState& state, const Turns& turns) {
     if (t.sleeps) {
       finding.text += " sleeps at " + place + " and nobody is left to wake it";
     } else if (t.location != 0) {
-      finding.text += " waits at " + place + " for a lock that is never released";
+      finding.text += " waits at " + place + " for " + t.wait_for;
     } else {
       finding.text += " loops at " + place + " for a store that nobody makes";
       finding.kind = FindingKind::livelock;
@@ -45,10 +45,11 @@ Finding explained(const ExecutionState& state, const Turns& turns) {
 }  // namespace
 
 void conclude_standstill(ExecutionState& state, const Turns& turns, const Loops& loops) {
+  if (turns.over()) return;
   bool all_ended = true;
   for (unsigned thread = 0; thread < state.threads; ++thread) {
     const Turns::Thread& t = turns.of(thread);
-    if (t.done) continue;
+    if (t.done || t.unborn) continue;
     all_ended = false;
     // It is for good only if each has seen the newest store of all it waits for.
     if (t.timed || t.assumed || (!t.endless && !has_seen_all(state, turns, loops, thread)))

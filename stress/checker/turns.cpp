@@ -8,7 +8,9 @@ using virtual_cores::host;
 
 void Turns::begin() {
   std::ranges::fill(all_, Thread{});
-  froze_ = false;
+  for (std::size_t thread = state_.program.threads.size(); thread < state_.threads; ++thread)
+    all_[thread].unborn = true;
+  froze_ = over_ = false;
 }
 
 void Turns::start() {
@@ -23,7 +25,7 @@ std::uint32_t Turns::runnable() const {
   std::uint32_t mask = 0;
   for (unsigned thread = 0; thread < state_.threads; ++thread) {
     const Thread& t = all_[thread];
-    if (t.done) continue;
+    if (t.done || t.unborn) continue;
     if (t.waiting && (!state_.strategy->resumes_waiting() || state_.stores <= t.waits_since))
       continue;
     mask |= 1U << thread;
@@ -65,6 +67,7 @@ void Turns::wait(std::uint32_t location, const void* pc) {
 
 unsigned Turns::next() {
   std::uint32_t mask = runnable();
+  if (mask == 0 && over_) return host;
   if (mask == 0) {
     // Another execution goes on where this one has a thread wait for a store that is there by now.
     const bool goes_on = std::any_of(all_.begin(), all_.end() - 1, [this](const Thread& t) {

@@ -14,6 +14,7 @@ namespace irt::checker {
 class Turns {
  public:
   struct Thread {
+    bool unborn = false;  ///< nobody has begun it
     bool started = false;
     bool done = false;  ///< came to its end, or was stopped for good
     bool waiting = false;
@@ -26,6 +27,7 @@ class Turns {
     std::uint32_t location = 0;     ///< that it waits for, plus one; 0: any store
     std::uint64_t waits_since = 0;  ///< stores in the execution by then
     const void* wait_pc = nullptr;
+    const char* wait_for = "a lock that is never released";
   };
 
   explicit Turns(ExecutionState& state) : state_(state), all_(state.threads + 1) {}
@@ -44,6 +46,12 @@ class Turns {
     all_[thread].done = true;
     return next();
   }
+
+  /// Somebody has begun `thread`.
+  void bear(unsigned thread) { all_[thread].unborn = false; }
+  /// The process has ended: who waits from now on need not go on.
+  void end_process() { over_ = true; }
+  [[nodiscard]] bool over() const { return over_; }
 
   Thread& mine() { return all_[state_.current()]; }
   [[nodiscard]] const Thread& of(unsigned thread) const { return all_[thread]; }
@@ -68,6 +76,7 @@ class Turns {
   std::vector<Thread> all_;
   std::optional<std::pair<unsigned, std::size_t>> frozen_;
   bool froze_ = false;
+  bool over_ = false;
 };
 
 }  // namespace irt::checker

@@ -121,7 +121,7 @@ void withhold(ShapeResult& shape) {
 // Where executions differ, what one of them finds may come from what the others left behind.
 void withhold_findings(QueueResult& all) {
   all.differs = true;
-  if (all.unproved.empty()) all.unproved = "executions differ where all choices are the same";
+  if (all.unseen.unproved.empty()) all.unseen.unproved = "executions differ where all choices are the same";
   for (ShapeResult& shape : all.shapes) withhold(shape);
   all.found = false;
 }
@@ -131,7 +131,7 @@ void withhold_findings(QueueResult& all) {
 void add(QueueResult& all, ShapeResult shape, bool quiet) {
   if (shape.result.differs && !all.differs) withhold_findings(all);
   if (all.differs) withhold(shape);
-  shape.unproved = all.unproved;
+  shape.unproved = all.unseen.unproved;
   shape.proved = shape.result.finished && !shape.result.finding && searched_whole(shape) &&
                  shape.unproved.empty();
   // Of those that are many only what is found has a line.
@@ -159,7 +159,7 @@ void say(Origin origin, const QueueResult& all) {
   if (shapes == 0) return;
   fmt::print("  {:<24} {:>9} executions {:>8.3f} s  {} shapes, {} of them whole{}\n",
              name_of(origin), executions, seconds, shapes, whole,
-             all.unproved.empty() ? " and proved" : "");
+             all.unseen.unproved.empty() ? " and proved" : "");
   for (const auto& [why, count] : incomplete) fmt::print("    {} not: {}\n", count, why);
   std::fflush(stdout);
 }
@@ -205,10 +205,10 @@ std::string verdict(std::string_view queue, const QueueResult& all) {
       fmt::format("{}: {}. ", queue,
                   findings == 0 ? "nothing found"
                                 : fmt::format("{} finding{}", findings, findings == 1 ? "" : "s"));
-  if (all.unproved.empty())
+  if (all.unseen.unproved.empty())
     text += fmt::format("Proved: {}.", fmt::join(parts, ", "));
   else
-    text += fmt::format("Nothing is proved, for {}. Searched whole: {}.", all.unproved,
+    text += fmt::format("Nothing is proved, for {}. Searched whole: {}.", all.unseen.unproved,
                         fmt::join(parts, ", "));
   text += sentences("Not searched whole", open);
   text += sentences("Threads were not stopped before each of their steps", unstopped);

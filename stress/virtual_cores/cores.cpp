@@ -58,6 +58,10 @@ struct alignas(64) Fiber {
 Tenant* active = &native;
 unsigned current_core = host;
 
+namespace {
+Cores* existing = nullptr;
+}  // namespace
+
 struct Cores::State {
   Tenant& tenant;
   std::size_t stack_bytes;
@@ -107,12 +111,16 @@ struct Cores::State {
     } catch (...) {
       self.tenant.failed("an exception that is no std::exception left a thread", nullptr);
     }
-    self.switch_to(self.tenant.finished(core));
-    self.tenant.failed("a finished core was switched to", nullptr);
+    end_core();
   }
 };
 
 Cores::State* Cores::State::running = nullptr;
+
+void end_core() {
+  existing->switch_to(active->finished(current_core));
+  active->failed("a finished core was switched to", nullptr);
+}
 
 bool is_near_a_stack(std::uintptr_t address) {
   return address >= stacks_address && address < stacks_end;
@@ -133,6 +141,7 @@ Cores::Cores(Tenant& tenant, unsigned count, std::size_t stack_bytes)
     mprotect(reinterpret_cast<void*>(stack_of(core) / page_bytes * page_bytes),
              stack_bytes + colours_bytes, PROT_READ | PROT_WRITE);
   State::running = state_.get();
+  existing = this;
   stacks_end = stacks_address + bytes;
 }
 
@@ -178,6 +187,9 @@ unsigned Cores::count() const {
 }
 std::size_t Cores::stack_bytes() const {
   return state_->stack_bytes;
+}
+Range Cores::frames_of(unsigned core) const {
+  return {address_of(state_->fibers[core].context), stack_of(core) + state_->stack_bytes};
 }
 std::uintptr_t Cores::stack_of(unsigned core) const {
   return stacks_address + core * state_->stride() + state_->guard_bytes +

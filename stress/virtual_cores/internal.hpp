@@ -114,6 +114,9 @@ class FaultHandler {
   std::array<struct sigaction, signals.size()> before_{};
 };
 
+/// The core in progress is at its end, wherever in its functions it is (cores.cpp).
+[[noreturn]] void end_core();
+
 // thread_local, one block per core and module (thread_locals.cpp).
 void forget_thread_locals(unsigned core);
 /// Runs the destructors of the core's thread_local objects, newest first.

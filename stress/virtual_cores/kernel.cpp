@@ -212,28 +212,15 @@ IRT_REDIRECTED long irt_vc_syscall(long number, ...) {
 
 // --- Refused -------------------------------------------------------------------------------------
 
-// What would start threads and processes nobody sees, or have the one thread that runs all cores
-// wait for something outside.
-#define IRT_STARTS_A_THREAD(name)         \
-  IRT_REDIRECTED void irt_vc_##name() {   \
-    refuse("starts a thread of its own"); \
-  }
-IRT_STARTS_A_THREAD(pthread_create)
-IRT_STARTS_A_THREAD(thrd_create)
-IRT_STARTS_A_THREAD(
-    _ZNSt6thread15_M_start_threadESt10unique_ptrINS_6_StateESt14default_deleteIS1_EEPFvvE)
-#undef IRT_STARTS_A_THREAD
+// What would start processes nobody sees, or have the one thread that runs all cores wait for
+// something outside.
 #define IRT_REFUSED(name)               \
   IRT_REDIRECTED void irt_vc_##name() { \
     refuse("calls " #name "()");        \
   }
-IRT_REFUSED(pthread_join)
-IRT_REFUSED(pthread_detach)
 IRT_REFUSED(pthread_kill)
 IRT_REFUSED(pthread_cancel)
-IRT_REFUSED(pthread_exit)
 IRT_REFUSED(pthread_getattr_np)
-IRT_REFUSED(thrd_exit)
 IRT_REFUSED(sigaction)
 IRT_REFUSED(fork)
 IRT_REFUSED(vfork)

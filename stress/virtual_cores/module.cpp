@@ -7,6 +7,7 @@
 #include <link.h>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 #include "stress/virtual_cores/harmless.hpp"
 #include "stress/virtual_cores/internal.hpp"
@@ -42,6 +43,22 @@ int find_globals(dl_phdr_info* info, std::size_t, void* result) {
   return 1;
 }
 
+// The variables of the libraries that everybody uses, some of which, as std::cout, the loader puts
+// into the host's.
+int find_library_data(dl_phdr_info* info, std::size_t, void* result) {
+  const std::string_view name = info->dlpi_name;
+  if (!name.empty() && name.find("/libstdc++.so") == std::string_view::npos &&
+      name.find("/libc.so") == std::string_view::npos)
+    return 0;
+  for (unsigned i = 0; i < info->dlpi_phnum; ++i) {
+    const ElfW(Phdr)& header = info->dlpi_phdr[i];
+    if (header.p_type != PT_LOAD || (header.p_flags & PF_W) == 0) continue;
+    const std::uintptr_t begin = info->dlpi_addr + header.p_vaddr;
+    static_cast<std::vector<Range>*>(result)->push_back({begin, begin + header.p_memsz});
+  }
+  return 0;
+}
+
 // What constructors of global variables allocate while the code is loaded. It lasts as long as the
 // code, like the variables that lead to it.
 class Loading final : public Tenant {
@@ -75,6 +92,17 @@ std::string demangled(const char* name) {
 }
 
 }  // namespace
+
+bool is_of_library(std::uintptr_t address) {
+  static const std::vector<Range> variables = [] {
+    std::vector<Range> found;
+    dl_iterate_phdr(find_library_data, &found);
+    return found;
+  }();
+  return std::ranges::any_of(variables, [address](const Range& range) {
+    return address >= range.begin && address < range.end;
+  });
+}
 
 struct Module::State {
   std::string file;

@@ -10,8 +10,18 @@
 /// Nothing says that the thread sanitizer is on: libraries choose other code by that, also the C++
 /// library (`shared_ptr`). GCC's macro is undefined on the command line; Clang is asked by
 /// `__has_feature`, which answers here as `__has_extension` does for everything else.
+/// Templates that the C++ library has in compiled code are compiled again, for what they do to memory
+/// to be seen.
+///
 /// A section says that the plug-in announcer.cpp was there: results of calls are on stacks then.
 #pragma once
+
+#if defined(__cplusplus)
+#include <bits/c++config.h>
+#undef _GLIBCXX_EXTERN_TEMPLATE
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
+#define _GLIBCXX_EXTERN_TEMPLATE 0
+#endif
 
 #if defined(IRT_VC_ANNOUNCER)
 asm(".pushsection irt_announced,\"\",@progbits\n.byte 1\n.popsection\n");

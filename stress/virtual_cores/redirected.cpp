@@ -150,26 +150,6 @@ IRT_REDIRECTED __attribute__((noreturn)) void irt_vc__ZSt21__glibcxx_assert_fail
                      std::to_string(line) + ", " + function + ")",
                  IRT_PC);
 }
-#define IRT_EXIT(name)                                               \
-  IRT_REDIRECTED __attribute__((noreturn)) void irt_vc_##name(int) { \
-    active->failed(#name "() was called", IRT_PC);                   \
-  }
-IRT_EXIT(exit)
-IRT_EXIT(_exit)
-IRT_EXIT(_Exit)
-IRT_EXIT(quick_exit)
-#undef IRT_EXIT
-// What is to run at the end of the process would run after the last core is gone.
-IRT_REDIRECTED int irt_vc_atexit(void (*)()) {
-  return 0;
-}
-IRT_REDIRECTED int irt_vc_at_quick_exit(void (*)()) {
-  return 0;
-}
-IRT_REDIRECTED int irt_vc___cxa_atexit(void (*)(void*), void*, void*) {
-  return 0;
-}
-
 // --- Time, and who I am ---------------------------------------------------------------------
 
 namespace {
@@ -277,10 +257,6 @@ IRT_REDIRECTED unsigned irt_vc_sleep(unsigned seconds) {
 }
 asm(".globl irt_vc_thrd_sleep\n.set irt_vc_thrd_sleep, irt_vc_nanosleep");
 asm(".globl irt_vc_thrd_yield\n.set irt_vc_thrd_yield, irt_vc_sched_yield");
-IRT_REDIRECTED pthread_t irt_vc_pthread_self() {
-  return current_core + pthread_t{1};
-}
-asm(".globl irt_vc_thrd_current\n.set irt_vc_thrd_current, irt_vc_pthread_self");
 // A core's number is no pthread_t of the host, which would take it for an address.
 IRT_REDIRECTED int irt_vc_pthread_getaffinity_np(pthread_t, std::size_t size, cpu_set_t* set) {
   announce_write(set, size, IRT_PC);

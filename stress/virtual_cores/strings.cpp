@@ -2,6 +2,8 @@
 // and write is announced, byte by byte where only the bytes say how far they go.
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -168,6 +170,28 @@ IRT_REDIRECTED char* irt_vc_strncat(char* to, const char* from, std::size_t limi
   fill(end + size, 0, 1, IRT_PC);
   return to;
 }
+// Numbers in texts. What is read is taken to be the whole text.
+#define IRT_NUMBER(type, name, ...)                                                          \
+  IRT_REDIRECTED type irt_vc_##name(const char* text, char** end __VA_OPT__(, int base)) {   \
+    announce_read(text, std::strlen(text) + 1, IRT_PC);                                      \
+    if (end != nullptr) announce_write(end, sizeof *end, IRT_PC);                            \
+    errno = 0;                                                                               \
+    const type number = name(text, end __VA_OPT__(, base));                                  \
+    if (errno != 0) irt::virtual_cores::core_errno() = errno;                                \
+    return number;                                                                           \
+  }
+IRT_NUMBER(long, strtol, base)
+IRT_NUMBER(long long, strtoll, base)
+IRT_NUMBER(unsigned long, strtoul, base)
+IRT_NUMBER(unsigned long long, strtoull, base)
+IRT_NUMBER(double, strtod)
+IRT_NUMBER(float, strtof)
+#undef IRT_NUMBER
+IRT_REDIRECTED int irt_vc_atoi(const char* text) {
+  announce_read(text, std::strlen(text) + 1, IRT_PC);
+  return static_cast<int>(std::strtol(text, nullptr, 10));
+}
+
 IRT_REDIRECTED char* irt_vc_strdup(const char* text) {
   return duplicate(text, length(text, IRT_PC), IRT_PC);
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iostream>
 #include <malloc.h>
+#include <unistd.h>
 
 #include "stress/virtual_cores/internal.hpp"
 
@@ -145,6 +146,9 @@ std::uint64_t Tenant::random() {
   static std::uint64_t last = 1;
   return last = last * 6364136223846793005U + 1442695040888963407U;  // Knuth's MMIX
 }
+Process* Tenant::process() {
+  return nullptr;
+}
 void Tenant::enter_function(const void*) {}
 void Tenant::leave_function() {}
 unsigned Tenant::finished(unsigned) {
@@ -171,8 +175,11 @@ void Tenant::failed(const std::string& what, const void* pc) {
   std::abort();
 }
 
+int refusals_to = 2;
+
 void refuse(const std::string& what) {
   std::cout.flush();
+  dup2(refusals_to, 2);
   std::cerr << "irt: " << what << "; nothing is said about this code\n";
   std::_Exit(2);
 }

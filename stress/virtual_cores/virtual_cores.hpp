@@ -68,6 +68,24 @@ extern unsigned current_core;
 /// What a futex wait ended with.
 enum class Wake : std::uint8_t { woken, value_differs, timed_out };
 
+/// What code that is a whole program asks for besides: threads of its own, and an end.
+class Process {
+ public:
+  Process() = default;
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  virtual ~Process() = default;
+
+  /// Has a core begin at `entry(argument)`; returns its number.
+  virtual unsigned begin_thread(void (*entry)(void*), void* argument, const void* pc) = 0;
+  /// Returns once `core` is at the end of its entry function.
+  virtual void join(unsigned core, const void* pc) = 0;
+  /// The process ends with `status`; the core in progress goes no further.
+  virtual void exit(int status, const void* pc) = 0;
+  /// The code takes no interest in what the core in progress would do from here on.
+  [[noreturn]] virtual void dismiss(const void* pc) = 0;
+};
+
 /// Decides what happens at every event of the instrumented code. Each method runs on the fiber of
 /// the core that caused the event and may switch to another core before it returns. The defaults
 /// do what a single core with sequentially consistent memory would.
@@ -120,6 +138,9 @@ class Tenant {
   /// default's are the same in every process.
   virtual std::uint64_t random();
 
+  /// Of code that is a program of its own; null: a thread that it starts is refused.
+  virtual Process* process();
+
   // Control flow.
   virtual void enter_function(const void* call_site);
   virtual void leave_function();
@@ -143,6 +164,8 @@ class Tenant {
 /// The code asks for what virtual cores do not have, which is no fault of its own: says so and ends
 /// the process with code 2.
 [[noreturn]] void refuse(const std::string& what);
+/// The file that this is said on: that of the error output, unless it is the code's own.
+extern int refusals_to;
 
 /// The callee-saved registers at the last atomic operation, as the code had them: with the stack
 /// above `stack_pointer` they are all that a loop can carry from one round to the next.
@@ -160,8 +183,17 @@ struct Range {
   std::uintptr_t end = 0;
 };
 
+/// Whether `address` is in a variable of the C or C++ library, as std::cout is: to write to these
+/// from several threads is no race, for the library sees to it.
+bool is_of_library(std::uintptr_t address);
+
 /// Where `core` keeps its thread_local variables; nothing once it has ended or begun anew.
 std::vector<Range> thread_locals_of(unsigned core);
+
+/// Calls `main` on the core in progress as the C library does, with its names and arguments: what it
+/// returns ends the process by `Process::exit`, and so does `exit()`, after what is registered for
+/// that. `main` may be of any type that C and C++ allow.
+void run_program(void (*main)(), const std::vector<std::string>& arguments);
 
 /// The virtual cores. At most one object exists at a time.
 class Cores {
@@ -193,6 +225,8 @@ class Cores {
   /// The stack of `core`: lowest address and size in bytes.
   [[nodiscard]] std::uintptr_t stack_of(unsigned core) const;
   [[nodiscard]] std::size_t stack_bytes() const;
+  /// What `core`, which waits to be switched to, has on its stack.
+  [[nodiscard]] Range frames_of(unsigned core) const;
 
  private:
   struct State;

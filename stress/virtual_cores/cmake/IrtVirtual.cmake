@@ -4,15 +4,13 @@
 # module; irt_announcer, where GCC's plug-in headers were there, with IRT_FILE.
 
 # Compiles a target for virtual cores. What the code is told of the compiler and the machine stays as
-# in any other build; -mcx16 lets Clang make calls of 16-byte atomics. Members of the C++ library's
-# templates come into the module instead of from compiled code.
+# in any other build; -mcx16 lets Clang make calls of 16-byte atomics.
 # With UNANNOUNCED it is without the plug-in, as where its headers are not installed.
 function(irt_virtual_options target)
   get_target_property(root irt_virtual_cores IRT_ROOT)
   target_include_directories(${target} PRIVATE ${root})
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -g -fsanitize=thread -U__SANITIZE_THREAD__
-    -D_GLIBCXX_EXTERN_TEMPLATE=0
     "SHELL:-include ${root}/stress/virtual_cores/prelude.hpp"
     -ftls-model=global-dynamic -fno-omit-frame-pointer $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>
     $<$<CXX_COMPILER_ID:Clang>:-femulated-tls> $<$<CXX_COMPILER_ID:Clang>:-mcx16>
@@ -39,7 +37,7 @@ endfunction()
 #
 # Compiles the sources for virtual cores into the shared object OUTPUT, by default
 # ${CMAKE_CURRENT_BINARY_DIR}/NAME.so; the target is NAME, its property IRT_MODULE_FILE the path.
-# Only what is named irt_* with C linkage is exported, by the linker's script IRT_EXPORTS.
+# Only what is named irt_* with C linkage is exported, and `main` as irt_main, by the linker's script IRT_EXPORTS.
 function(irt_virtual_module name)
   cmake_parse_arguments(ARG "UNANNOUNCED" "OUTPUT" "SOURCES;LINK;OPTIONS" ${ARGN})
   add_library(${name}_objects OBJECT EXCLUDE_FROM_ALL ${ARG_SOURCES})
@@ -78,7 +76,8 @@ function(irt_virtual_module name)
   set(renamed ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
   add_custom_command(OUTPUT ${file}
     COMMAND ${CMAKE_LINKER} -r -o ${merged} $<TARGET_OBJECTS:${name}_objects>
-    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} ${merged} ${renamed}
+    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main ${merged}
+            ${renamed}
     COMMAND ${CMAKE_CXX_COMPILER} -shared -o ${file} ${renamed}
             -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic -Wl,--version-script=${exports}
             $<TARGET_FILE:irt_virtual_library> $<TARGET_FILE:irt_virtual_cores> ${libraries}

@@ -26,10 +26,6 @@ std::vector<std::string> output_of(const std::string& command) {
   return lines;
 }
 
-bool is_standard_library(const std::string& file) {
-  return file.find("/c++/") != std::string::npos || file.find("/bits/") != std::string::npos;
-}
-
 // Whether it does to memory what an instrumented access never compiles to: atomic operations and
 // fences are calls there. So it was written as assembly, or as an intrinsic that is no access to
 // the compiler.
@@ -60,6 +56,10 @@ std::string quoted(const std::string& text) {
 }
 
 }  // namespace
+
+bool is_standard_library(const std::string& file) {
+  return file.find("/c++/") != std::string::npos || file.find("/bits/") != std::string::npos;
+}
 
 const Line& Symbols::at(const void* pc) {
   const auto known = lines_.find(pc);

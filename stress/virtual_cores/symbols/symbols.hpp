@@ -16,6 +16,9 @@ struct Line {
   std::string text;  ///< the line itself, without indentation; empty if it cannot be read
 };
 
+/// Whether the file belongs to the C++ library.
+bool is_standard_library(const std::string& file);
+
 /// Instructions that touch memory behind the checker's back.
 struct UnseenInstructions {
   std::vector<std::string> places;  ///< "lock xadd at queue.hpp:12", each once

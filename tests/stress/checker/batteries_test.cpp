@@ -103,7 +103,7 @@ TEST_F(DefaultCheck, tries_shapes_beyond_the_battery_and_counts_what_it_proved) 
 TEST_F(DefaultCheck, says_nothing_is_proved_where_code_is_not_seen) {
   QueueResult result = check("narrow-index-fixed", {.seconds = 1, .generated = 0});
   EXPECT_NE(verdict("q", result).find("Proved: "), std::string::npos);
-  result.unproved = "it calls compiled code";
+  result.unseen.unproved = "it calls compiled code";
   EXPECT_EQ(verdict("q", result).find("Proved: "), std::string::npos);
   EXPECT_NE(verdict("q", result).find("it calls compiled code"), std::string::npos);
 }

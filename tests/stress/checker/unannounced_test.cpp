@@ -48,8 +48,8 @@ TEST(Unannounced, stores_make_nobody_a_reader_of_uninitialised_memory) {
 #if defined(__GNUC__) && !defined(__clang__)
   EXPECT_EQ(text.find("Proved: "), std::string::npos) << text;
   EXPECT_NE(text.find("that no hook announces"), std::string::npos) << text;
-  ASSERT_FALSE(result.unseen_instructions.empty());
-  EXPECT_NE(result.unseen_instructions[0].find("call_result.hpp:"), std::string::npos);
+  ASSERT_FALSE(result.unseen.instructions.empty());
+  EXPECT_NE(result.unseen.instructions[0].find("call_result.hpp:"), std::string::npos);
 #endif
 }
 
