@@ -288,6 +288,38 @@ std::unique_ptr<Execution> repeat(const Program& program, const Options& options
   }
 }
 
+OnX86 on_x86(const Program& program, const Options& options, const Finding& finding) {
+  constexpr double seconds = 2;
+  const Deadline deadline(seconds);
+  Options search = options;
+  search.limits.on_x86 = true;
+  search.shard = 0;
+  search.shards = 1;
+  search.executions = ~std::uint64_t{0};
+  search.each = nullptr;
+  search.stops = nullptr;
+  search.progress = nullptr;
+  // What else is wrong is passed over.
+  search.known.clear();
+  for (const Search kind : {Search::exhaustive, Search::pos}) {
+    search.search = kind;
+    for (;;) {
+      search.seconds = deadline.left() / (kind == Search::exhaustive ? 2 : 1);
+      if (search.seconds <= 0) break;
+      const Result result = check(program, search);
+      if (!result.finding) {
+        if (result.finished) return search.known.empty() ? OnX86::cannot : OnX86::unknown;
+        break;
+      }
+      if (result.finding->kind == finding.kind &&
+          std::ranges::is_permutation(result.finding->places, finding.places))
+        return OnX86::shows;
+      search.known.push_back(*result.finding);
+    }
+  }
+  return OnX86::unknown;
+}
+
 Result simplest(const Program& program, const Options& options, const Result& result) {
   Options search = options;
   search.search = Search::bounded;

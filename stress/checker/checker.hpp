@@ -114,6 +114,16 @@ void confirm(const Program& program, const Options& options, Result& result);
 std::unique_ptr<Execution> repeat(const Program& program, const Options& options,
                                   const Schedule& schedule);
 
+/// Whether x86 hardware can show what was found.
+enum class OnX86 : std::uint8_t {
+  shows,
+  cannot,   ///< none of all executions that it has: only machines with weaker orders can
+  unknown,  ///< not found in the time there was, which is no proof
+};
+
+/// Searches again, by x86's rules, for a few seconds.
+OnX86 on_x86(const Program& program, const Options& options, const Finding& finding);
+
 /// An execution with the same kind of finding and as few deviations as a short search finds, or the
 /// result itself.
 Result simplest(const Program& program, const Options& options, const Result& result);

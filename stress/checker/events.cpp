@@ -30,8 +30,11 @@ void Events::plain_read(std::uintptr_t address, std::size_t size, const void* pc
 void Events::plain_write(std::uintptr_t address, std::size_t size, const void* pc) {
   if (!parts.state.observed()) return void(++parts.state.beats);
   if (parts.state.on_own_stack(address)) {
+    // No effect to a loop, which is known by what is on its stack.
     parts.locations.end_on_stack(address, size);
-    if (parts.state.program.own_threads == 0) return;
+    if (parts.state.program.own_threads != 0)
+      parts.watch.touch(address, size, true, false, pc);
+    return;
   }
   parts.loops.note_effect();
   parts.state.note(Look::Kind::write, address, size);

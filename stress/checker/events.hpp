@@ -18,7 +18,9 @@ namespace irt::checker {
 /// The parts of an execution, each made of those before it.
 struct ExecutionParts {
   ExecutionParts(const Program& program, const Limits& limits, virtual_cores::Tenant& tenant)
-      : state(program, limits, tenant) {}
+      : state(program, limits, tenant) {
+    if (limits.on_x86) accesses.orders().strengthen_as_x86();
+  }
 
   /// The next execution begins.
   void begin(Strategy& strategy);

@@ -19,7 +19,7 @@ ExecutionState::ExecutionState(const Program& checked, const Limits& bounds,
       threads(static_cast<unsigned>(checked.threads.size()) + checked.own_threads),
       cores(tenant, threads + 1, stack_of_a_thread),
       stack_bytes(cores.stack_bytes()),
-      graph(threads + 1),
+      graph(threads + 1, bounds.on_x86),
       heap(threads + 1),
       pending(threads + 1) {
   for (unsigned core = 0; core <= threads; ++core) stacks.push_back(cores.stack_of(core));

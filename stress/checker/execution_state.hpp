@@ -26,9 +26,10 @@ struct Step {
 /// `endless`: one thread of `parallel` runs on by itself, to see whether it ever ends.
 enum class Phase : std::uint8_t { idle, ageing, prepare, parallel, endless, finish };
 
-/// An address that no program has: of a lock's or futex's sleepers, of a clock.
+/// Addresses that no program has, of a futex's sleepers, a clock, a thread's end, begin with this bit.
+inline constexpr std::uintptr_t made_up = std::uintptr_t{1} << 63U;
 constexpr bool is_made_up(std::uintptr_t address) {
-  return address >> 63U != 0;
+  return address >= made_up;
 }
 
 struct ExecutionState {

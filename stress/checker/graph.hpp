@@ -104,7 +104,8 @@ struct ThreadClocks {
 
 class Graph {
  public:
-  explicit Graph(unsigned threads) : threads_(threads) {}
+  /// With `on_x86` executions are those that x86 has, see tso_order.cpp.
+  explicit Graph(unsigned threads, bool on_x86 = false) : threads_(threads), on_x86_(on_x86) {}
 
   void clear();
 
@@ -129,6 +130,10 @@ class Graph {
   /// Whether a total order of the seq_cst operations exists with `event`, if one exists without it
   /// and nothing that happens after it.
   [[nodiscard]] bool keeps_seq_cst_order(const Event& event) const;
+  /// That, and what x86 keeps besides if this is on x86.
+  [[nodiscard]] bool keeps_orders(const Event& event) const {
+    return keeps_seq_cst_order(event) && (!on_x86_ || keeps_total_store_order(event));
+  }
   /// Whether one exists once `event`, not yet completed, is finished at `place`.
   bool allows(Event& event, std::uint32_t location, std::size_t place);
 
@@ -157,6 +162,7 @@ class Graph {
   [[nodiscard]] EventId find(Ref ref, std::uint32_t location) const;
 
  private:
+  [[nodiscard]] bool keeps_total_store_order(const Event& event) const;
   void complete(Event& event);
   void read(Event& event, std::uint32_t location, const Event& store);
   void write(Event& event, std::uint32_t location, std::size_t place, Value value);
@@ -167,6 +173,7 @@ class Graph {
   std::size_t location_count_ = 0;
   std::vector<ThreadClocks> threads_;
   std::size_t seq_cst_ = 0;  ///< accesses and fences of that order
+  bool on_x86_ = false;
 };
 
 }  // namespace irt::checker

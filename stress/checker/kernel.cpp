@@ -10,12 +10,9 @@ using Request = Accesses::Request;
 
 namespace {
 
-// Addresses that no program has begin with this bit.
-constexpr std::uintptr_t made_up = std::uintptr_t{1} << 63U;
-
-// Where a futex keeps its sleepers.
+// Where a futex keeps its sleepers: sixteen bytes, which must not overlap with those of the next.
 std::uintptr_t sleepers_of(std::uintptr_t address) {
-  return address | made_up;
+  return address << 4U | made_up;
 }
 
 // What S and W of a shape write and read.

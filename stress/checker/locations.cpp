@@ -40,7 +40,12 @@ Part Locations::at(std::uintptr_t address, std::uint32_t size) {
   for (std::uint32_t link = cell.location; link != 0; link = next_[link - 1]) {
     if (!covers(link - 1)) continue;
     const Location& found = state_.graph.location(link - 1);
-    if (found.address != base || found.size != whole)
+    const bool other = found.address != base || found.size != whole;
+    if (other && on_stack_ && state_.is_stack(base)) {
+      cell.location = 0;  // of a frame that is gone
+      break;
+    }
+    if (other)
       widen(std::min(found.address, base), std::max(found.size, whole));
     part.location = link - 1;
     const auto bytes = static_cast<std::uint8_t>(((1U << std::min(whole, 8U)) - 1) << (base & 7U));

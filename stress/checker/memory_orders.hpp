@@ -30,8 +30,15 @@ class MemoryOrders {
     for (const auto& [site, order] : changes) instead_[site.failure ? 1 : 0][site.pc] = order;
   }
 
+  /// From now on orders are at least what x86 makes of them.
+  void strengthen_as_x86() { x86_ = true; }
+
   /// The order that counts where the code at `pc` says `order`.
   Order at(const void* pc, bool failure, EventKind kind, Order order) {
+    if (x86_ && order != Order::seq_cst && kind != EventKind::fence)
+      return kind == EventKind::load || failure  ? Order::acquire
+             : kind == EventKind::store ? Order::release
+                                        : Order::acq_rel;
     if (!watches_) return order;
     auto [place, fresh] = instead_[failure ? 1 : 0].try_emplace(pc, order);
     if (fresh) sites_.push_back({pc, failure, kind, order});
@@ -40,6 +47,7 @@ class MemoryOrders {
 
  private:
   bool watches_ = false;
+  bool x86_ = false;
   std::vector<OrderSite> sites_;
   std::unordered_map<const void*, Order> instead_[2];  ///< of success, of failure
 };

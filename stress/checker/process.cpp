@@ -11,7 +11,6 @@ using Meaning = Accesses::Meaning;
 namespace {
 
 // Where a thread's birth and its end are stored: addresses that no program has.
-constexpr std::uintptr_t made_up = std::uintptr_t{1} << 63U;
 constexpr std::uintptr_t births = made_up | 0x1000U;
 constexpr std::uintptr_t ends = made_up | 0x2000U;
 constexpr std::uintptr_t distance = 64;

@@ -49,10 +49,10 @@ class ProgramCheck {
     options_.limits.kept_memory_leaks = settings.unfreed;
     std::vector<std::string> words{settings.name};
     words.insert(words.end(), settings.arguments.begin(), settings.arguments.end());
-    program_.threads.emplace_back(
-        [main = reinterpret_cast<void (*)()>(module.find("irt_main")), words] {
-          virtual_cores::run_program(main, words);
-        });
+    auto* const main = settings.main != nullptr
+                           ? settings.main
+                           : reinterpret_cast<void (*)()>(module.find("irt_main"));
+    program_.threads.emplace_back([main, words] { virtual_cores::run_program(main, words); });
     program_.own_threads = settings.threads - 1;
     program_.module = &module;
     program_.afresh = [this] { output_.afresh(); };
@@ -69,10 +69,8 @@ class ProgramCheck {
         if (part.search != Search::exhaustive || !limited_) search(part.search, part.until);
       }
     }
-    const bool whole = std::ranges::any_of(all_.searches, [](const SearchResult& s) {
-      return s.result.finished && s.search == name_of(Search::exhaustive);
-    });
-    all_.proved = whole && !all_.found && !all_.differs && all_.unseen.unproved.empty();
+    all_.whole = is_whole();
+    all_.proved = all_.whole && !all_.found && !all_.differs && all_.unseen.unproved.empty();
     Symbols symbols(module_);
     std::set<std::string> lines;
     for (const void* place : never_freed_) lines.insert(symbols.name(place));
@@ -88,7 +86,11 @@ class ProgramCheck {
 
  private:
   [[nodiscard]] bool done() const {
-    if (all_.differs || (all_.found && !settings_.conduct.keep_going)) return true;
+    return all_.differs || fruitless_ || (all_.found && !settings_.conduct.keep_going) ||
+           is_whole();
+  }
+
+  [[nodiscard]] bool is_whole() const {
     return std::ranges::any_of(all_.searches, [](const SearchResult& s) {
       return s.search == name_of(Search::exhaustive) && s.result.finished;
     });
@@ -120,6 +122,7 @@ class ProgramCheck {
   void add(SearchResult made) {
     const Result& result = made.result;
     limited_ = limited_ || (made.search == name_of(Search::exhaustive) && !result.incomplete.empty());
+    fruitless_ = result.complete + result.blocked == 0 && !result.incomplete.empty();
     all_.found = all_.found || result.finding;
     all_.differs = all_.differs || result.differs;
     all_.threads = std::max(all_.threads, result.threads);
@@ -132,7 +135,8 @@ class ProgramCheck {
   }
 
   std::string report_of(const Options& options, const Result& result) {
-    return fmt::format("{}\nreplay: {} --replay \"{}\"\n", picture_of(options, result, ""), command_,
+    return fmt::format("{}\n{}\nreplay: {} --replay \"{}\"\n", picture_of(options, result, ""),
+                       words(on_x86(program_, options, *result.finding)), command_,
                        to_string(result.schedule));
   }
 
@@ -157,7 +161,8 @@ class ProgramCheck {
   Options options_;
   ProgramSearch search_;
   Stopwatch stopwatch_;
-  bool limited_ = false;  ///< a whole search would end at a limit again
+  bool limited_ = false;    ///< a whole search would end at a limit again
+  bool fruitless_ = false;  ///< all executions of the last one have
   std::set<const void*> never_freed_;
   ProgramResult all_;
 };
@@ -185,9 +190,6 @@ std::string verdict(const ProgramSettings& settings, const ProgramResult& result
       why = s.result.incomplete;
   }
   std::string text = settings.name + ": ";
-  const bool whole = std::ranges::any_of(result.searches, [](const SearchResult& s) {
-    return s.search == name_of(Search::exhaustive) && s.result.finished;
-  });
   if (result.found)
     text += fmt::format("{} finding{} in {} executions.", findings, findings == 1 ? "" : "s",
                         executions);
@@ -197,7 +199,7 @@ std::string verdict(const ProgramSettings& settings, const ProgramResult& result
   else if (result.differs)
     text += "nothing is known of it: executions differ where all choices are the same, so that it "
             "depends on chance, time or a state that the checker does not give it.";
-  else if (whole)
+  else if (result.whole)
     text += fmt::format("nothing found. All of its executions were looked at; nothing is proved, "
                         "for {}.",
                         result.unseen.unproved);

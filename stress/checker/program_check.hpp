@@ -16,6 +16,7 @@ inline constexpr unsigned most_program_threads = max_threads - 1;
 struct ProgramSettings {
   std::string name;                      ///< what the user calls it: "test.cpp"
   std::vector<std::string> arguments{};  ///< of `main`, without the name
+  void (*main)() = nullptr;              ///< of any type that C allows; null: the module's own
   unsigned threads = 8;                  ///< at most, the one of `main` included
   std::optional<Search> search{};        ///< none: exhaustive, then bounded and sampled
   double seconds = 50;                   ///< for all searches together, at most
@@ -35,7 +36,8 @@ struct ProgramResult {
   std::vector<SearchResult> searches;
   Unseen unseen;
   bool found = false;
-  bool proved = false;   ///< every execution was looked at, and everything in it was seen
+  bool whole = false;    ///< every execution was looked at, ...
+  bool proved = false;   ///< ... nothing was found, and everything was seen
   bool differs = false;  ///< executions differ where all choices are the same
   unsigned threads = 0;  ///< that were begun in the execution that began most
   std::vector<std::string> never_freed;  ///< where it allocates what it loses: no finding

@@ -50,6 +50,20 @@ std::string described(const Execution& execution, const Event& event, Symbols& s
   return describe(event, symbols, values, width);
 }
 
+std::string words(OnX86 answer) {
+  switch (answer) {
+    case OnX86::shows:
+      return "x86 hardware can show it, too.\n";
+    case OnX86::cannot:
+      return "Only machines with weaker orders than x86 can show it, as ARM and POWER are, or a compiler\n"
+             "that makes use of the orders: none of all executions on x86 does.\n";
+    case OnX86::unknown:
+      break;
+  }
+  return "Whether x86 hardware can show it is not known: by x86's rules it was not found in the time\n"
+         "there was.\n";
+}
+
 std::string sentence(const Finding& finding, Symbols& symbols) {
   std::string text = finding.text;
   for (std::size_t i = 0; i < finding.places.size(); ++i) {

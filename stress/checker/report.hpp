@@ -48,6 +48,9 @@ std::string history(const std::vector<QueueCall>& operations, std::string_view w
 std::string picture(const Execution& execution, const std::vector<QueueCall>& operations,
                     Symbols& symbols);
 
+/// In a sentence.
+std::string words(OnX86 answer);
+
 /// The execution's graph in the language of Graphviz: program order, reads-from, and modification
 /// order.
 std::string dot(const Execution& execution, Symbols& symbols);

@@ -16,6 +16,7 @@ namespace {
 
 std::string report_of(QueueClient& client, const Options& options, const Result& result,
                       virtual_cores::Module& module, const std::string& command) {
+  const std::string hardware = words(on_x86(client.program(), options, *result.finding));
   Symbols symbols(module);
   std::string text = heading(*result.finding, symbols);
   const auto execution = repeat(client.program(), options, result.schedule);
@@ -25,6 +26,7 @@ std::string report_of(QueueClient& client, const Options& options, const Result&
                           symbols.name(place));
     text += picture(*execution, client.operations(), symbols);
   }
+  text += "\n" + hardware;
   text += fmt::format("\nreplay: {} --shape '{}' --replay \"{}\"\n", command,
                       to_string(client.shape()), to_string(result.schedule));
   return text;

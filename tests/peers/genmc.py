@@ -76,7 +76,7 @@ def cases(tests, only):
             arguments = first_line(folder / "args.rc11.mo.in") or first_line(folder / "args.in") or [""]
             counts = " ".join(first_line(folder / "expected.rc11.mo.in")).split()
             for line, text in enumerate(arguments):
-                flags = re.findall(r"-D\\S+", text)
+                flags = re.findall(r"-D\S+", text)
                 for source in sources:
                     count = counts[min(line, len(counts) - 1)] if counts and kind == "correct" else None
                     name = str(source.relative_to(tests)) + (f" {' '.join(flags)}" if flags else "")
@@ -89,7 +89,7 @@ def project(all_cases):
              "include_directories(BEFORE ${CMAKE_CURRENT_SOURCE_DIR}/shim)",
              "add_custom_target(everything ALL)"]
     for number, (_, source, flags, _, _) in enumerate(all_cases):
-        lines.append(f'irt_virtual_module(t{number} SOURCES "{source}" OPTIONS -O1 -w {" ".join(flags)})')
+        lines.append(f'irt_virtual_module(t{number} SOURCES "{source}" OPTIONS -O0 -w {" ".join(flags)})')
         lines.append(f"add_dependencies(everything t{number})")
     (BUILD / "shim").mkdir(parents=True, exist_ok=True)
     (BUILD / "shim" / "genmc.h").write_text(HEADER)

@@ -9,8 +9,13 @@
 function(irt_virtual_options target)
   get_target_property(root irt_virtual_cores IRT_ROOT)
   target_include_directories(${target} PRIVATE ${root})
+  # Headers in place of the C++ library's own; what they hold depends on its version.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12\\.")
+    target_include_directories(${target} BEFORE PRIVATE
+      ${root}/stress/virtual_cores/library/headers)
+  endif()
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  target_compile_options(${target} PRIVATE -g -fsanitize=thread -U__SANITIZE_THREAD__
+  target_compile_options(${target} PRIVATE -gdwarf-4 -fsanitize=thread -U__SANITIZE_THREAD__
     "SHELL:-include ${root}/stress/virtual_cores/prelude.hpp"
     -ftls-model=global-dynamic -fno-omit-frame-pointer $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>
     $<$<CXX_COMPILER_ID:Clang>:-femulated-tls> $<$<CXX_COMPILER_ID:Clang>:-mcx16>

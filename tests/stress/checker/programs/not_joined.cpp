@@ -1,0 +1,7 @@
+// finds: failure
+#include <thread>
+
+int main() {
+  std::thread forgotten([] {});
+  return 0;
+}

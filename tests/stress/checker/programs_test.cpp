@@ -1,0 +1,54 @@
+// Programs that are wrong are found to be so, and those that are right are proved.
+
+#include "tests/stress/checker/programs.hpp"
+
+#include <gtest/gtest.h>
+#include <string>
+
+#include "stress/checker/program_check.hpp"
+
+namespace checker = irt::checker;
+
+namespace {
+
+irt::virtual_cores::Module& module() {
+  static irt::virtual_cores::Module loaded(IRT_PROGRAMS_PROBE);
+  return loaded;
+}
+
+std::vector<irt::programs::Entry> entries() {
+  unsigned count = 0;
+  const auto* first =
+      module().function<const irt::programs::Entry*(unsigned*)>("irt_programs")(&count);
+  return {first, first + count};
+}
+
+checker::ProgramSettings settings_of(const irt::programs::Entry& entry) {
+  checker::ProgramSettings settings{.name = entry.name, .seconds = 20};
+  settings.main = reinterpret_cast<void (*)()>(entry.main);
+  settings.conduct = {.jobs = 1, .keep_going = false, .quiet = true, .reports = true};
+  return settings;
+}
+
+std::string found(const checker::ProgramResult& result) {
+  for (const checker::SearchResult& search : result.searches)
+    if (search.result.finding) return std::string(name_of(search.result.finding->kind));
+  // What is not seen is asked of the module, of all programs together.
+  return result.whole ? "nothing" : "not proved";
+}
+
+class Programs : public testing::TestWithParam<irt::programs::Entry> {};
+
+TEST_P(Programs, are_known_for_what_they_are) {
+  const checker::ProgramSettings settings = settings_of(GetParam());
+  const checker::ProgramResult result = check_program(module(), settings, "");
+  EXPECT_NE((" | " + std::string(GetParam().finds) + " | ").find(" | " + found(result) + " | "),
+            std::string::npos)
+      << found(result) << ", for " << GetParam().finds << ": " << verdict(settings, result)
+      << (result.found ? result.searches.back().report : "");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Programs, testing::ValuesIn(entries()),
+                         [](const auto& i) { return std::string(i.param.name); });
+
+}  // namespace
