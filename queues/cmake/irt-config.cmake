@@ -1,5 +1,5 @@
 # find_package(irt): the contract of a queue as `irt::queues`, irt_add_plugin() and, where it was
-# built with virtual cores, irt_virtual_module().
+# built with virtual cores, irt_virtual_module() and irt_add_check().
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 include(${CMAKE_CURRENT_LIST_DIR}/irt-targets.cmake)
@@ -17,7 +17,11 @@ if(irt_runtime AND IRT_OBJCOPY AND NOT TARGET irt_virtual_cores)
   get_filename_component(irt_folder ${irt_runtime} DIRECTORY)
   add_library(irt_virtual_cores SHARED IMPORTED GLOBAL)
   set_target_properties(irt_virtual_cores PROPERTIES IMPORTED_LOCATION ${irt_runtime}
-    IRT_REDIRECTIONS ${irt_folder}/redirected.syms IRT_ROOT ${irt_prefix}/include/irt)
+    IRT_REDIRECTIONS ${irt_folder}/redirected.syms IRT_ROOT ${irt_prefix}/include/irt
+    IRT_PUBLIC ${irt_prefix}/include)
+  if(EXISTS ${irt_folder}/irt-check)
+    set(IRT_CHECK ${irt_folder}/irt-check)
+  endif()
   add_library(irt_virtual_library STATIC IMPORTED GLOBAL)
   set_target_properties(irt_virtual_library PROPERTIES
     IMPORTED_LOCATION ${irt_folder}/libirt_virtual_library.a)

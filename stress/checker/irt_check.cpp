@@ -17,6 +17,7 @@
 #include "stress/checker/program_command.hpp"
 #include "stress/checker/queue_check.hpp"
 #include "stress/checker/scenario_search.hpp"
+#include "stress/checker/test_host.hpp"
 #include "stress/checker/verdict.hpp"
 #include "stress/running/arguments.hpp"
 #include "stress/running/program.hpp"
@@ -38,6 +39,7 @@ struct CommandLine {
   std::vector<std::string> plugins;
   std::string module;
   std::string program;  ///< as the user gave it, of which `module` was built; empty: a queue
+  std::string tests;    ///< a module of tests, which explore
   std::vector<std::string> arguments;
   bool unfreed = false;
   std::string scenario;
@@ -130,14 +132,8 @@ int merge(const std::vector<std::string>& files) {
 
 void prepare(CommandLine& line) {
   checker::CheckSettings& settings = line.settings;
-  static const std::map<std::string, checker::Search> searches{
-      {"exhaustive", checker::Search::exhaustive},
-      {"bounded", checker::Search::bounded},
-      {"random", checker::Search::random},
-      {"pct", checker::Search::pct},
-      {"pos", checker::Search::pos}};
   if (line.real_time) settings.real_time = true;
-  if (line.strategy != "auto") settings.search = searches.at(line.strategy);
+  if (line.strategy != "auto") settings.search = checker::search_named(line.strategy);
   if (!line.scenario.empty() && (settings.search == checker::Search::exhaustive ||
                                  settings.search == checker::Search::bounded))
     throw irt::UsageError(fmt::format(
@@ -365,7 +361,10 @@ int run(int argc, char** argv) {
   app.add_option("--program", line.program,
                  "what the module is of that --module names, if it is a program and no queue; "
                  "`irt check test.cpp` builds it and says so itself");
-  app.add_option("arguments", line.arguments, "of the program, after --");
+  app.add_option("--tests", line.tests,
+                 "run a shared object that irt_add_check() built of tests that explore")
+      ->check(CLI::ExistingFile);
+  app.add_option("arguments", line.arguments, "of the program, or of the tests, after --");
   auto* shapes = app.add_option(
       "--shape", settings.shapes,
       "threads as letters, e.g. EE|D|DE; E push, D pop, R pop one and push two, S signal, "
@@ -449,6 +448,11 @@ int run(int argc, char** argv) {
   if (const auto code = irt::parse(app, argc, argv)) return *code;
   settings.no_memory = failing->count() == 0;
   if (settings.old && seconds->count() == 0) settings.seconds = seconds_for_old;
+  if (!line.tests.empty()) {
+    std::vector<std::string> words{line.tests};
+    words.insert(words.end(), line.arguments.begin(), line.arguments.end());
+    return checker::run_tests(line.tests, words);
+  }
   if (!line.merge.empty()) return merge(line.merge);
   if (line.mutants) return run_mutants(line);
   prepare(line);

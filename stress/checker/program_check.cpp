@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <set>
+#include <utility>
 
 #include "stress/checker/deadline.hpp"
 #include "stress/checker/program_output.hpp"
@@ -42,24 +43,36 @@ void say(const SearchResult& s) {
 class ProgramCheck {
  public:
   ProgramCheck(virtual_cores::Module& module, const ProgramSettings& settings,
-               const std::string& command)
-      : module_(module), settings_(settings), command_(command), search_(module, settings.conduct) {
+               Again again)
+      : module_(module),
+        settings_(settings),
+        again_(std::move(again)),
+        search_(module, settings.conduct) {
     options_ = settings.options;
-    options_.limits = as_seen(options_.limits, module);
+    if (is_test())
+      options_.limits.uninitialised = false;
+    else
+      options_.limits = as_seen(options_.limits, module);
     options_.limits.kept_memory_leaks = settings.unfreed;
-    std::vector<std::string> words{settings.name};
-    words.insert(words.end(), settings.arguments.begin(), settings.arguments.end());
-    auto* const main = settings.main != nullptr
-                           ? settings.main
-                           : reinterpret_cast<void (*)()>(module.find("irt_main"));
-    program_.threads.emplace_back([main, words] { virtual_cores::run_program(main, words); });
+    program_.threads.push_back(settings.work ? settings.work : main_of_module());
     program_.own_threads = settings.threads - 1;
     program_.module = &module;
-    program_.afresh = [this] { output_.afresh(); };
+    program_.afresh = [this] {
+      output_.afresh();
+      if (is_test()) failures_before_ = settings_.failures();
+    };
+    if (is_test())
+      program_.judge = [this](const Execution&) -> std::optional<std::string> {
+        if (settings_.failures() == failures_before_) return std::nullopt;
+        return "an assertion of the test has failed";
+      };
   }
 
   ProgramResult run() {
-    all_.unseen = unseen_of(module_);
+    if (is_test())
+      all_.unseen.unproved = "its framework is compiled code";
+    else
+      all_.unseen = unseen_of(module_);
     if (!all_.unseen.refused.empty()) return std::move(all_);
     if (settings_.search) {
       search(*settings_.search, 1);
@@ -85,6 +98,16 @@ class ProgramCheck {
   }
 
  private:
+  /// The module has a test framework in it, of which nothing is seen.
+  [[nodiscard]] bool is_test() const { return settings_.failures != nullptr; }
+
+  [[nodiscard]] std::function<void()> main_of_module() const {
+    std::vector<std::string> words{settings_.name};
+    words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
+    auto* const main = reinterpret_cast<void (*)()>(module_.find("irt_main"));
+    return [main, words] { virtual_cores::run_program(main, words); };
+  }
+
   [[nodiscard]] bool done() const {
     return all_.differs || fruitless_ || (all_.found && !settings_.conduct.keep_going) ||
            is_whole();
@@ -135,9 +158,9 @@ class ProgramCheck {
   }
 
   std::string report_of(const Options& options, const Result& result) {
-    return fmt::format("{}\n{}\nreplay: {} --replay \"{}\"\n", picture_of(options, result, ""),
-                       words(on_x86(program_, options, *result.finding)), command_,
-                       to_string(result.schedule));
+    return fmt::format("{}\n{}\nreplay: {}\n", picture_of(options, result, ""),
+                       words(on_x86(program_, options, *result.finding)),
+                       again_(to_string(result.schedule)));
   }
 
   /// Empty if `result` does not come out as before.
@@ -155,7 +178,7 @@ class ProgramCheck {
 
   virtual_cores::Module& module_;
   const ProgramSettings& settings_;
-  const std::string& command_;
+  const Again again_;
   ProgramOutput output_;
   Program program_;
   Options options_;
@@ -163,6 +186,7 @@ class ProgramCheck {
   Stopwatch stopwatch_;
   bool limited_ = false;    ///< a whole search would end at a limit again
   bool fruitless_ = false;  ///< all executions of the last one have
+  unsigned failures_before_ = 0;
   std::set<const void*> never_freed_;
   ProgramResult all_;
 };
@@ -170,13 +194,13 @@ class ProgramCheck {
 }  // namespace
 
 ProgramResult check_program(virtual_cores::Module& module, const ProgramSettings& settings,
-                            const std::string& command) {
-  return ProgramCheck(module, settings, command).run();
+                            const Again& again) {
+  return ProgramCheck(module, settings, again).run();
 }
 
 std::string replay(virtual_cores::Module& module, const ProgramSettings& settings,
                    const std::string& schedule, const std::string& dot_file) {
-  return ProgramCheck(module, settings, "").replay(schedule, dot_file);
+  return ProgramCheck(module, settings, {}).replay(schedule, dot_file);
 }
 
 std::string verdict(const ProgramSettings& settings, const ProgramResult& result) {

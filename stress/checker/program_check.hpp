@@ -2,6 +2,8 @@
 /// end, in every execution that there is time for.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +18,8 @@ inline constexpr unsigned most_program_threads = max_threads - 1;
 struct ProgramSettings {
   std::string name;                      ///< what the user calls it: "test.cpp"
   std::vector<std::string> arguments{};  ///< of `main`, without the name
-  void (*main)() = nullptr;              ///< of any type that C allows; null: the module's own
+  std::function<void()> work{};  ///< of the first thread, on its core; empty: the module's `main`
+  unsigned (*failures)() = nullptr;  ///< assertions that have failed; of a test, see explore.hpp
   unsigned threads = 8;                  ///< at most, the one of `main` included
   std::optional<Search> search{};        ///< none: exhaustive, then bounded and sampled
   double seconds = 50;                   ///< for all searches together, at most
@@ -43,10 +46,13 @@ struct ProgramResult {
   std::vector<std::string> never_freed;  ///< where it allocates what it loses: no finding
 };
 
+/// How to see a schedule again, in words or as a command.
+using Again = std::function<std::string(const std::string& schedule)>;
+
 /// Checks the program in `module`, made by irt_virtual_module() from sources with a `main`. Stops
-/// at the first finding unless it is to keep going. `command` is how to call the tool again.
+/// at the first finding unless it is to keep going.
 ProgramResult check_program(virtual_cores::Module& module, const ProgramSettings& settings,
-                            const std::string& command);
+                            const Again& again);
 
 /// The whole in a few sentences: what was found or proved, and what was not, and why.
 std::string verdict(const ProgramSettings& settings, const ProgramResult& result);

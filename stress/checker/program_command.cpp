@@ -50,7 +50,9 @@ int run_program_command(const ProgramCommand& command) {
     std::cout << (report.empty() ? std::string(stale_schedule) : report);
     return report.empty() ? 0 : 1;
   }
-  const ProgramResult result = check_program(module, settings, command.command);
+  const ProgramResult result = check_program(module, settings, [&](const std::string& schedule) {
+    return fmt::format("{} --replay \"{}\"", command.command, schedule);
+  });
   if (!result.unseen.refused.empty())
     throw UsageError(
         fmt::format("{} cannot be checked: {}", settings.name, result.unseen.refused));

@@ -6,6 +6,7 @@
 #include "stress/checker/deadline.hpp"
 #include "stress/checker/parts.hpp"
 #include "stress/checker/report.hpp"
+#include "stress/running/usage_error.hpp"
 
 namespace irt::checker {
 
@@ -23,6 +24,14 @@ std::string_view name_of(Search search) {
       return "pos";
   }
   return "?";
+}
+
+Search search_named(std::string_view name) {
+  for (const Search search :
+       {Search::exhaustive, Search::bounded, Search::random, Search::pct, Search::pos})
+    if (name == name_of(search)) return search;
+  throw UsageError("strategy " + std::string(name) +
+                   ": there are auto, exhaustive, bounded, random, pct and pos");
 }
 
 void ProgramSearch::place(Result& result) const {

@@ -15,6 +15,9 @@ namespace irt::checker {
 /// "exhaustive", "bounded", ...
 std::string_view name_of(Search search);
 
+/// The one of that name. Throws UsageError if there is none.
+Search search_named(std::string_view name);
+
 /// How searches are made, whatever they look for.
 struct Conduct {
   unsigned jobs = 1;        ///< processes that share a search

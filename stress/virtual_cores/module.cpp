@@ -144,6 +144,16 @@ void* Module::find(const std::string& symbol) const {
   return address;
 }
 
+void* Module::find_any(const std::vector<std::string>& symbols) const {
+  for (const std::string& symbol : symbols)
+    if (void* address = dlsym(state_->handle, symbol.c_str())) return address;
+  return find(symbols.front());
+}
+
+void Module::remember_globals() {
+  state_->initial = image();
+}
+
 void Module::reset_globals() {
   restore(state_->initial);
 }

@@ -281,5 +281,15 @@ void run_program(void (*main)(), const std::vector<std::string>& arguments) {
   });
 }
 
+void run_body(const std::function<void()>& body) {
+  threads.clear();
+  at_exit.clear();
+  run_thread([&] {
+    body();
+    run_thread_exits(current_core);
+    end_at_once(0, nullptr);
+  });
+}
+
 }  // namespace irt::virtual_cores
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming,performance-no-int-to-ptr)

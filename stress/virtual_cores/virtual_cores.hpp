@@ -26,6 +26,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -194,6 +195,8 @@ std::vector<Range> thread_locals_of(unsigned core);
 /// returns ends the process by `Process::exit`, and so does `exit()`, after what is registered for
 /// that. `main` may be of any type that C and C++ allow.
 void run_program(void (*main)(), const std::vector<std::string>& arguments);
+/// Calls `body` on the core in progress as if it were all of a program, whose end is its own.
+void run_body(const std::function<void()>& body);
 
 /// The virtual cores. At most one object exists at a time.
 class Cores {
@@ -259,6 +262,8 @@ class Module {
 
   /// The address of an exported function or object. Throws std::runtime_error if there is none.
   [[nodiscard]] void* find(const std::string& symbol) const;
+  /// The same of several, the first that there is.
+  [[nodiscard]] void* find_any(const std::vector<std::string>& symbols) const;
   template <class F>
   [[nodiscard]] F* function(const std::string& symbol) const {
     return reinterpret_cast<F*>(find(symbol));
@@ -267,6 +272,8 @@ class Module {
   /// Puts global variables, and what their constructors allocated, back to what they were after
   /// loading. Nobody may have returned such a block to the host's heap.
   void reset_globals();
+  /// From now on that goes back to what they hold now.
+  void remember_globals();
   /// Its global variables, and the blocks that their constructors allocated.
   [[nodiscard]] const std::vector<Range>& globals() const;
   [[nodiscard]] bool owns_global(std::uintptr_t address) const;

@@ -1,6 +1,6 @@
 # Code for virtual cores, in the tree and, installed, outside of it. Both have these targets:
-# irt_virtual_cores, the runtime, with the properties IRT_ROOT (what #include is relative to) and
-# IRT_REDIRECTIONS (a file for objcopy); irt_virtual_library, what of the C++ library comes into a
+# irt_virtual_cores, the runtime, with the properties IRT_ROOT (what #include is relative to),
+# IRT_PUBLIC (where irt/explore.hpp is) and IRT_REDIRECTIONS (a file for objcopy); irt_virtual_library, what of the C++ library comes into a
 # module; irt_announcer, where GCC's plug-in headers were there, with IRT_FILE.
 
 # Compiles a target for virtual cores. What the code is told of the compiler and the machine stays as
@@ -37,14 +37,14 @@ function(irt_virtual_options target)
   endif()
 endfunction()
 
-# irt_virtual_module(NAME SOURCES a.cpp ... [LINK interface-library ...] [OPTIONS flag ...]
-#                    [OUTPUT file] [UNANNOUNCED])
+# irt_virtual_module(NAME SOURCES a.cpp ... [LINK library ...] [OPTIONS flag ...] [OUTPUT file]
+#                    [EXPORTS symbol ...] [UNANNOUNCED])
 #
 # Compiles the sources for virtual cores into the shared object OUTPUT, by default
 # ${CMAKE_CURRENT_BINARY_DIR}/NAME.so; the target is NAME, its property IRT_MODULE_FILE the path.
 # Only what is named irt_* with C linkage is exported, and `main` as irt_main, by the linker's script IRT_EXPORTS.
 function(irt_virtual_module name)
-  cmake_parse_arguments(ARG "UNANNOUNCED" "OUTPUT" "SOURCES;LINK;OPTIONS" ${ARGN})
+  cmake_parse_arguments(ARG "UNANNOUNCED" "OUTPUT" "SOURCES;LINK;OPTIONS;EXPORTS" ${ARGN})
   add_library(${name}_objects OBJECT EXCLUDE_FROM_ALL ${ARG_SOURCES})
   target_link_libraries(${name}_objects PRIVATE ${ARG_LINK})
   if(TARGET irt_options)
@@ -68,14 +68,21 @@ function(irt_virtual_module name)
     foreach(target ${lib} ${needed})
       if(TARGET ${target})
         get_target_property(type ${target} TYPE)
-        if(type STREQUAL "SHARED_LIBRARY" OR type STREQUAL "UNKNOWN_LIBRARY")
+        if(type MATCHES "^(SHARED|STATIC|UNKNOWN)_LIBRARY$")
           list(APPEND libraries $<TARGET_FILE:${target}>)
         endif()
       endif()
     endforeach()
   endforeach()
   set(exports ${CMAKE_CURRENT_BINARY_DIR}/${name}.exports)
-  file(WRITE ${exports} "{ global: irt_*; local: *; };\n")
+  # The numbers of a locale's facets are the library's own, of which there must be one each.
+  set(exported "irt_*; _ZNSt*2idE;")
+  foreach(symbol ${ARG_EXPORTS})
+    string(APPEND exported " ${symbol};")
+  endforeach()
+  file(CONFIGURE OUTPUT ${exports} CONTENT "{ global: @exported@ local: *; };\n" @ONLY)
+  set(wanted ${ARG_EXPORTS})
+  list(TRANSFORM wanted PREPEND -Wl,--undefined=)
   # The objects linked into one, what the C library's names stand for renamed, and that linked again.
   set(merged ${CMAKE_CURRENT_BINARY_DIR}/${name}.merged.o)
   set(renamed ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
@@ -84,11 +91,49 @@ function(irt_virtual_module name)
     COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main ${merged}
             ${renamed}
     COMMAND ${CMAKE_CXX_COMPILER} -shared -o ${file} ${renamed}
-            -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic -Wl,--version-script=${exports}
-            $<TARGET_FILE:irt_virtual_library> $<TARGET_FILE:irt_virtual_cores> ${libraries}
+            -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic-functions -Wl,--version-script=${exports} ${wanted}
+            $<TARGET_FILE:irt_virtual_library> $<TARGET_FILE:irt_virtual_cores>
+            -Wl,--start-group ${libraries} -Wl,--end-group
     DEPENDS ${name}_objects $<TARGET_OBJECTS:${name}_objects> irt_virtual_cores
             irt_virtual_library
     COMMAND_EXPAND_LISTS VERBATIM)
   add_custom_target(${name} DEPENDS ${file})
   set_target_properties(${name} PROPERTIES IRT_MODULE_FILE ${file} IRT_EXPORTS ${exports})
+endfunction()
+
+# irt_add_check(NAME SOURCES a.cpp ... [LINK library ...] [OPTIONS flag ...] [PROGRAM]
+#               [ARGUMENTS word ...])
+#
+# Adds the CTest entry NAME. The sources are tests, in whatever framework, that explore
+# (irt/explore.hpp), with the framework's library among LINK; ARGUMENTS are their main's. With PROGRAM
+# they are a program instead, which is explored from its start to its end, and ARGUMENTS those of `irt
+# check`.
+function(irt_add_check name)
+  cmake_parse_arguments(ARG "PROGRAM" "" "SOURCES;LINK;OPTIONS;ARGUMENTS" ${ARGN})
+  if(NOT ARG_SOURCES)
+    message(FATAL_ERROR "irt_add_check(${name}): no SOURCES")
+  endif()
+  if(NOT IRT_CHECK)
+    message(FATAL_ERROR
+      "irt_add_check(${name}): the irt that was found was installed without its checker; build the "
+      "target irt-check and install again")
+  endif()
+  set(exports)
+  set(run --tests)
+  if(ARG_PROGRAM)
+    set(run --program ${name} --module)
+  else()
+    set(exports EXPORTS main)
+  endif()
+  irt_virtual_module(${name} SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} OPTIONS -O2 ${ARG_OPTIONS}
+    ${exports})
+  get_target_property(root irt_virtual_cores IRT_PUBLIC)
+  target_include_directories(${name}_objects PRIVATE ${root})
+  get_target_property(module ${name} IRT_MODULE_FILE)
+  add_custom_target(${name}_module ALL DEPENDS ${name})
+  set(separator)
+  if(ARG_ARGUMENTS AND NOT ARG_PROGRAM)
+    set(separator --)
+  endif()
+  add_test(NAME ${name} COMMAND ${IRT_CHECK} ${run} ${module} ${separator} ${ARG_ARGUMENTS})
 endfunction()

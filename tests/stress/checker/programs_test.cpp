@@ -25,7 +25,9 @@ std::vector<irt::programs::Entry> entries() {
 
 checker::ProgramSettings settings_of(const irt::programs::Entry& entry) {
   checker::ProgramSettings settings{.name = entry.name, .seconds = 20};
-  settings.main = reinterpret_cast<void (*)()>(entry.main);
+  settings.work = [entry] {
+    irt::virtual_cores::run_program(reinterpret_cast<void (*)()>(entry.main), {entry.name});
+  };
   settings.conduct = {.jobs = 1, .keep_going = false, .quiet = true, .reports = true};
   return settings;
 }
@@ -41,7 +43,7 @@ class Programs : public testing::TestWithParam<irt::programs::Entry> {};
 
 TEST_P(Programs, are_known_for_what_they_are) {
   const checker::ProgramSettings settings = settings_of(GetParam());
-  const checker::ProgramResult result = check_program(module(), settings, "");
+  const checker::ProgramResult result = check_program(module(), settings, [](const std::string& s) { return s; });
   EXPECT_NE((" | " + std::string(GetParam().finds) + " | ").find(" | " + found(result) + " | "),
             std::string::npos)
       << found(result) << ", for " << GetParam().finds << ": " << verdict(settings, result)

@@ -1,0 +1,91 @@
+/// A test's body in every execution that C++ allows, in any test framework:
+///
+///     #include <gtest/gtest.h>
+///     #include <irt/explore.hpp>
+///
+///     TEST(Lock, Excludes) {
+///       irt::explore([] {
+///         MyLock lock;
+///         int inside = 0;
+///         std::thread other([&] { lock.lock(); ++inside; lock.unlock(); });
+///         lock.lock(); ++inside; lock.unlock();
+///         other.join();
+///         EXPECT_EQ(inside, 2);
+///       });
+///     }
+///
+/// built by irt_add_check() of CMake's package `irt`, which runs it, too. The body runs many times, so
+/// that what it works on is made within it; docs/check-a-program.md says more.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+extern "C" {
+struct irt_exploration {
+  unsigned threads;
+  double seconds;
+  const char* strategy;
+  std::uint64_t seed;
+  unsigned (*failures)();  ///< of assertions in this test so far
+};
+struct irt_explored {
+  std::uint64_t executions;
+  bool whole;
+  const char* wrong;  ///< a report, valid until the next call; null if nothing was found
+};
+/// Of the program that runs tests built by irt_add_check().
+void irt_explore(void (*body)(void*), void* argument, const irt_exploration* how,
+                 irt_explored* explored);
+}
+
+namespace irt {
+
+struct Exploration {
+  unsigned threads = 8;           ///< at most, that of the body included; up to 15
+  double seconds = 10;            ///< at most
+  const char* strategy = "auto";  ///< or exhaustive, bounded, random, pct, pos
+  std::uint64_t seed = 1;         ///< of the random ones
+};
+
+struct Explored {
+  std::uint64_t executions;
+  bool whole;  ///< all there are
+};
+
+namespace detail {
+
+/// Failed assertions of the test in progress that the framework has noted without an exception.
+inline unsigned failures() {
+#if defined(GTEST_TEST)
+  const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
+  unsigned count = 0;
+  for (int i = 0; test != nullptr && i < test->result()->total_part_count(); ++i)
+    count += test->result()->GetTestPartResult(i).failed() ? 1 : 0;
+  return count;
+#elif defined(CATCH_VERSION_MAJOR)
+  return Catch::getResultCapture().lastAssertionPassed() ? 0 : 1;
+#else
+  return 0;
+#endif
+}
+
+}  // namespace detail
+
+/// Runs `body` and the threads that it begins in every execution, or in as many as there is time for.
+/// Throws std::runtime_error, with the counterexample, where one is wrong: a failed assertion, an
+/// exception, a data race, a deadlock, memory that is used after it was freed, ...; also where there
+/// was nothing to explore, for `body` began no threads.
+inline Explored explore(const std::function<void()>& body, const Exploration& how = {}) {
+  const irt_exploration asked{how.threads, how.seconds, how.strategy, how.seed, detail::failures};
+  irt_explored explored{};
+  irt_explore(
+      [](void* function) { (*static_cast<const std::function<void()>*>(function))(); },
+      const_cast<std::function<void()>*>(&body), &asked, &explored);
+  if (explored.wrong != nullptr) throw std::runtime_error(explored.wrong);
+  return {explored.executions, explored.whole};
+}
+
+}  // namespace irt

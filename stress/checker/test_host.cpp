@@ -1,0 +1,133 @@
+#include "stress/checker/test_host.hpp"
+
+#include <cstdlib>
+#include <fmt/format.h>
+#include <iostream>
+#include <unistd.h>
+
+#include "stress/checker/child.hpp"
+#include "stress/checker/include/irt/explore.hpp"
+#include "stress/checker/parts.hpp"
+#include "stress/checker/program_check.hpp"
+#include "stress/checker/result_bytes.hpp"
+
+namespace irt::checker {
+
+namespace {
+
+virtual_cores::Module* tests = nullptr;
+
+/// What an exploration has come to, from the process that made it.
+struct Answer {
+  std::uint64_t executions = 0;
+  bool whole = false;
+  std::string wrong;
+};
+
+std::string to_bytes(const Answer& answer) {
+  Writer writer;
+  writer.put(answer.executions);
+  writer.put(answer.whole);
+  writer.put_all(answer.wrong);
+  return std::move(writer.bytes);
+}
+
+Answer from_bytes(const std::string& bytes) {
+  Reader reader{bytes};
+  Answer answer;
+  answer.executions = reader.take<std::uint64_t>();
+  answer.whole = reader.take<bool>();
+  answer.wrong = reader.take_all<std::string>();
+  return answer;
+}
+
+ProgramSettings settings_of(void (*body)(void*), void* argument, const irt_exploration& how) {
+  ProgramSettings settings{.name = "the test"};
+  settings.work = [=] { virtual_cores::run_body([=] { body(argument); }); };
+  settings.failures = how.failures;
+  settings.threads = how.threads;
+  settings.seconds = how.seconds;
+  settings.conduct = {.jobs = processors(), .keep_going = false, .quiet = true, .reports = true};
+  settings.options.seed = how.seed;
+  if (how.strategy != std::string("auto")) settings.search = search_named(how.strategy);
+  return settings;
+}
+
+Answer explored(const ProgramSettings& settings) {
+  tests->remember_globals();
+  const auto again = [](const std::string& schedule) {
+    return "the same command, with IRT_REPLAY='" + schedule + "' before it";
+  };
+  Answer answer;
+  // NOLINTNEXTLINE(concurrency-mt-unsafe)
+  if (const char* schedule = std::getenv("IRT_REPLAY")) {
+    answer.wrong = replay(*tests, settings, schedule, "");
+    if (answer.wrong.empty()) answer.wrong = stale_schedule;
+    return answer;
+  }
+  const ProgramResult result = check_program(*tests, settings, again);
+  answer.whole = result.whole;
+  for (const SearchResult& search : result.searches) {
+    answer.executions += search.result.executions;
+    if (search.result.finding) answer.wrong = search.report;
+  }
+  if (result.found) return answer;
+  if (!result.unseen.refused.empty())
+    answer.wrong = "it cannot be explored: " + result.unseen.refused;
+  else if (result.differs || result.threads <= 1 || answer.executions == 0)
+    answer.wrong = verdict(settings, result);
+  return answer;
+}
+
+/// In a process of its own: explorations leave nothing behind for the tests after it.
+Answer explored_elsewhere(const ProgramSettings& settings) {
+  std::cout.flush();
+  std::fflush(nullptr);
+  Child child([&](int line) {
+    Answer answer;
+    try {
+      answer = explored(settings);
+    } catch (const std::exception& error) {
+      answer.wrong = error.what();
+    }
+    irt::say(line, to_bytes(answer));
+  });
+  std::string sent;
+  char buffer[1 << 16];
+  for (ssize_t count = 0; (count = read(child.line(), buffer, sizeof buffer)) != 0;)
+    if (count > 0) sent.append(buffer, static_cast<std::size_t>(count));
+  child.join("the exploration");
+  return from_bytes(sent);
+}
+
+}  // namespace
+
+int run_tests(const std::string& file, const std::vector<std::string>& arguments) {
+  virtual_cores::Module module(file);
+  tests = &module;
+  std::vector<std::string> words = arguments;
+  std::vector<char*> names;
+  for (std::string& word : words) names.push_back(word.data());
+  names.push_back(nullptr);
+  const auto main = module.find_any({"irt_main", "main"});
+  const int status = reinterpret_cast<int (*)(int, char**, char**)>(main)(
+      static_cast<int>(words.size()), names.data(), environ);
+  // What the tests have registered for the end is theirs, and their memory goes with the module.
+  std::cout.flush();
+  std::fflush(nullptr);
+  std::_Exit(status);
+}
+
+}  // namespace irt::checker
+
+extern "C" __attribute__((visibility("default"))) void irt_explore(void (*body)(void*),
+                                                                  void* argument,
+                                                                  const irt_exploration* how,
+                                                                  irt_explored* explored) {
+  static std::string wrong;
+  const irt::checker::ProgramSettings settings =
+      irt::checker::settings_of(body, argument, *how);
+  const irt::checker::Answer answer = irt::checker::explored_elsewhere(settings);
+  wrong = answer.wrong;
+  *explored = {answer.executions, answer.whole, wrong.empty() ? nullptr : wrong.c_str()};
+}
