@@ -50,6 +50,7 @@ struct CommandLine {
   std::string replay;
   std::string shard;
   std::string json_file;
+  std::string sarif_file;
   std::string dot_file;
   std::vector<std::string> merge;
   bool mutate_orders = false;
@@ -239,6 +240,7 @@ int run_program(const CommandLine& line) {
                                   .replay = line.replay,
                                   .dot_file = line.dot_file,
                                   .json_file = line.json_file,
+                                  .sarif_file = line.sarif_file,
                                   .settings = {.name = line.program,
                                                .arguments = line.arguments,
                                                .search = settings.search,
@@ -394,6 +396,9 @@ int run(int argc, char** argv) {
   app.add_option("--replay", line.replay, "a schedule of an earlier report");
   app.add_option("--dot", line.dot_file, "with --replay: write the execution graph for Graphviz");
   app.add_option("--json", line.json_file, "write the results to this file");
+  app.add_option("--sarif", line.sarif_file,
+                 "of a program: write its findings to this file as SARIF, for a CI to show at their "
+                 "lines");
   app.add_option("--jobs", settings.jobs,
                  "processes that share each search (default: all processors)")
       ->check(CLI::PositiveNumber);

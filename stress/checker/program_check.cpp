@@ -150,6 +150,11 @@ class ProgramCheck {
     all_.differs = all_.differs || result.differs;
     all_.threads = std::max(all_.threads, result.threads);
     never_freed_.insert(result.never_freed.begin(), result.never_freed.end());
+    if (result.finding) {
+      Symbols symbols(module_);
+      made.sentence = sentence(*result.finding, symbols);
+      for (const void* place : result.finding->places) made.places.push_back(symbols.at(place));
+    }
     if (!settings_.conduct.quiet) {
       const ProgramOutput::Pause pause(output_);
       say(made);

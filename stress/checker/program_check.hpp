@@ -9,6 +9,7 @@
 
 #include "stress/checker/program_search.hpp"
 #include "stress/checker/unseen.hpp"
+#include "stress/virtual_cores/symbols/symbols.hpp"
 
 namespace irt::checker {
 
@@ -33,6 +34,8 @@ struct SearchResult {
   std::string search;
   Result result{};
   std::string report{};  ///< of the finding; empty if there is none
+  std::string sentence{};               ///< of it
+  std::vector<symbols::Line> places{};  ///< that the sentence speaks of
 };
 
 struct ProgramResult {

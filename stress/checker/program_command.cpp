@@ -1,5 +1,6 @@
 #include "stress/checker/program_command.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
 #include <iostream>
@@ -40,6 +41,31 @@ json to_json(const ProgramSettings& settings, const ProgramResult& result,
   return j;
 }
 
+/// SARIF 2.1.0 (OASIS): each finding as a result with its first place, and the others related.
+json to_sarif(const ProgramResult& result) {
+  const auto location = [](const symbols::Line& line) {
+    return json{{"physicalLocation",
+                 {{"artifactLocation", {{"uri", line.file}}},
+                  {"region", {{"startLine", std::max(line.number, 1U)}}}}}};
+  };
+  json results = json::array();
+  for (const SearchResult& s : result.searches) {
+    if (!s.result.finding) continue;
+    json found{{"ruleId", name_of(s.result.finding->kind)},
+               {"level", "error"},
+               {"message", {{"text", s.sentence}}},
+               {"locations", json::array()},
+               {"relatedLocations", json::array()}};
+    for (const symbols::Line& place : s.places)
+      found[found["locations"].empty() ? "locations" : "relatedLocations"].push_back(
+          location(place));
+    results.push_back(std::move(found));
+  }
+  return {{"$schema", "https://json.schemastore.org/sarif-2.1.0.json"},
+          {"version", "2.1.0"},
+          {"runs", {{{"tool", {{"driver", {{"name", "irt check"}}}}}, {"results", results}}}}};
+}
+
 }  // namespace
 
 int run_program_command(const ProgramCommand& command) {
@@ -63,6 +89,8 @@ int run_program_command(const ProgramCommand& command) {
   if (!settings.conduct.quiet) std::cout << '\n' << verdict << '\n';
   if (!command.json_file.empty())
     std::ofstream(command.json_file) << to_json(settings, result, verdict).dump(2) << '\n';
+  if (!command.sarif_file.empty())
+    std::ofstream(command.sarif_file) << to_sarif(result).dump(2) << '\n';
   return result.found ? 1 : 0;
 }
 

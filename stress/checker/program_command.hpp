@@ -13,6 +13,7 @@ struct ProgramCommand {
   std::string replay;   ///< a schedule of an earlier report; empty: searches
   std::string dot_file;
   std::string json_file;
+  std::string sarif_file;  ///< findings at their lines, for what shows them beside the source
   ProgramSettings settings;
 };
 
