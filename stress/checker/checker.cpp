@@ -192,8 +192,7 @@ class Exploration {
   }
 
   void note_limits() {
-    result_.threads =
-        std::max(result_.threads, static_cast<unsigned>(execution_.born().size()));
+    result_.threads = std::max(result_.threads, static_cast<unsigned>(execution_.born().size()));
     result_.assumed_waits = execution_.assumed_waits();
     result_.incomplete = execution_.conclusion().incomplete();
     result_.incomplete_at = execution_.conclusion().incomplete_at();

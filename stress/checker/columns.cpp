@@ -65,8 +65,7 @@ class Columns {
     std::map<std::string, unsigned> lines;
     for (EventId id = 0; id < graph_.size(); ++id)
       if (const symbols::Line& source = symbols_.at(graph_.event(id).pc); source.number != 0)
-        if (!symbols::is_standard_library(source.file) &&
-            ++lines[source.file] > lines[file_])
+        if (!symbols::is_standard_library(source.file) && ++lines[source.file] > lines[file_])
           file_ = source.file;
   }
 
@@ -211,8 +210,7 @@ class Columns {
         Process::is_of_threads(graph_.location(event.location).address))
       return;
     const std::string place = "  " + place_of(event.pc);
-    line(event.thread,
-         place + described(execution_, event, symbols_, values_, page - place.size()),
+    line(event.thread, place + described(execution_, event, symbols_, values_, page - place.size()),
          fmt::format("{} {} {}", fmt::ptr(event.pc), static_cast<int>(event.kind), event.failed));
     if (!note.empty()) line(event.thread, "      ^ " + note);
     const std::size_t choice =

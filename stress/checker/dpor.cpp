@@ -165,8 +165,7 @@ void Dpor::added(ExecutionState& state, const Event& made) {
   events_.push_back(id);
   // The last two are new to the rest of a plan: a store, and the read that reads it now.
   if (last && current_.verify &&
-      !(graph.keeps_orders(graph.event(*(events_.end() - 2))) &&
-        graph.keeps_orders(event))) {
+      !(graph.keeps_orders(graph.event(*(events_.end() - 2))) && graph.keeps_orders(event))) {
     cut_ = true;
     return;
   }

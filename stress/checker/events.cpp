@@ -32,8 +32,7 @@ void Events::plain_write(std::uintptr_t address, std::size_t size, const void* p
   if (parts.state.on_own_stack(address)) {
     // No effect to a loop, which is known by what is on its stack.
     parts.locations.end_on_stack(address, size);
-    if (parts.state.program.own_threads != 0)
-      parts.watch.touch(address, size, true, false, pc);
+    if (parts.state.program.own_threads != 0) parts.watch.touch(address, size, true, false, pc);
     return;
   }
   parts.loops.note_effect();

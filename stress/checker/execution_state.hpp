@@ -26,7 +26,8 @@ struct Step {
 /// `endless`: one thread of `parallel` runs on by itself, to see whether it ever ends.
 enum class Phase : std::uint8_t { idle, ageing, prepare, parallel, endless, finish };
 
-/// Addresses that no program has, of a futex's sleepers, a clock, a thread's end, begin with this bit.
+/// Addresses that no program has, of a futex's sleepers, a clock, a thread's end, begin with this
+/// bit.
 inline constexpr std::uintptr_t made_up = std::uintptr_t{1} << 63U;
 constexpr bool is_made_up(std::uintptr_t address) {
   return address >= made_up;

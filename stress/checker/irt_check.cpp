@@ -1,6 +1,6 @@
-// `irt check`: explores what a program or a queue can do, and answers with a proof for the bound or with the few
-// steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command line, or code
-// that cannot be looked at; 3: a crash of the checker.
+// `irt check`: explores what a program or a queue can do, and answers with a proof for the bound or
+// with the few steps that break it. Exit code 0: nothing found; 1: a finding; 2: a wrong command
+// line, or code that cannot be looked at; 3: a crash of the checker.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -350,7 +350,8 @@ int run(int argc, char** argv) {
   checker::CheckSettings& settings = line.settings;
   settings.jobs = checker::processors();
   CLI::App app{
-      "Explores every behaviour of a program, or of a queue within a bound; docs/checker.md says what a "
+      "Explores every behaviour of a program, or of a queue within a bound; docs/checker.md says "
+      "what a "
       "pass means."};
   app.name("irt check");
   auto* queue = app.add_option("--queue", line.queue, "a queue of `irt list`");
@@ -375,9 +376,10 @@ int run(int argc, char** argv) {
   app.add_option("--scenario", line.scenario,
                  "instead of shapes a scenario of `irt stress`, sampled (docs/stress.md has them)")
       ->excludes(shapes);
-  app.add_option("--threads", line.threads,
-                 "of a program: at most, that of main included (default: 8); of a queue: a shape of "
-                 "that many threads instead ...");
+  app.add_option(
+      "--threads", line.threads,
+      "of a program: at most, that of main included (default: 8); of a queue: a shape of "
+      "that many threads instead ...");
   app.add_option("--ops", line.operations, "... each with that many pushes, then as many pops");
   app.add_option("--strategy", line.strategy,
                  "auto: exhaustive; where time runs out, bounded, pos and pct")
@@ -396,9 +398,10 @@ int run(int argc, char** argv) {
   app.add_option("--replay", line.replay, "a schedule of an earlier report");
   app.add_option("--dot", line.dot_file, "with --replay: write the execution graph for Graphviz");
   app.add_option("--json", line.json_file, "write the results to this file");
-  app.add_option("--sarif", line.sarif_file,
-                 "of a program: write its findings to this file as SARIF, for a CI to show at their "
-                 "lines");
+  app.add_option(
+      "--sarif", line.sarif_file,
+      "of a program: write its findings to this file as SARIF, for a CI to show at their "
+      "lines");
   app.add_option("--jobs", settings.jobs,
                  "processes that share each search (default: all processors)")
       ->check(CLI::PositiveNumber);

@@ -45,8 +45,7 @@ Part Locations::at(std::uintptr_t address, std::uint32_t size) {
       cell.location = 0;  // of a frame that is gone
       break;
     }
-    if (other)
-      widen(std::min(found.address, base), std::max(found.size, whole));
+    if (other) widen(std::min(found.address, base), std::max(found.size, whole));
     part.location = link - 1;
     const auto bytes = static_cast<std::uint8_t>(((1U << std::min(whole, 8U)) - 1) << (base & 7U));
     if ((cell.replaced & bytes) != 0) {

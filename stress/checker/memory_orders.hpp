@@ -36,9 +36,9 @@ class MemoryOrders {
   /// The order that counts where the code at `pc` says `order`.
   Order at(const void* pc, bool failure, EventKind kind, Order order) {
     if (x86_ && order != Order::seq_cst && kind != EventKind::fence)
-      return kind == EventKind::load || failure  ? Order::acquire
-             : kind == EventKind::store ? Order::release
-                                        : Order::acq_rel;
+      return kind == EventKind::load || failure ? Order::acquire
+             : kind == EventKind::store         ? Order::release
+                                                : Order::acq_rel;
     if (!watches_) return order;
     auto [place, fresh] = instead_[failure ? 1 : 0].try_emplace(pc, order);
     if (fresh) sites_.push_back({pc, failure, kind, order});

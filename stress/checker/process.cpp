@@ -32,8 +32,8 @@ void Process::begin() {
 
 unsigned Process::place_of_child(unsigned parent) {
   const auto first = static_cast<unsigned>(state_.program.threads.size());
-  const auto [place, fresh] = places_.try_emplace(
-      {parent, births_[parent].children}, first + static_cast<unsigned>(places_.size()));
+  const auto [place, fresh] = places_.try_emplace({parent, births_[parent].children},
+                                                  first + static_cast<unsigned>(places_.size()));
   if (place->second < state_.threads) {
     ++births_[parent].children;
     return place->second;

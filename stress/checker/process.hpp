@@ -6,8 +6,8 @@
 /// thread gets depends only on who begins it, and the how manieth of that one's it is: so threads
 /// are the same in executions that begin them in different orders.
 ///
-/// When the program ends, threads that are left go on until they end or wait: between a last step of
-/// `main` and the end of the process there is any amount of time.
+/// When the program ends, threads that are left go on until they end or wait: between a last step
+/// of `main` and the end of the process there is any amount of time.
 #pragma once
 
 #include <map>

@@ -62,7 +62,7 @@ struct Limits {
   bool leaks = true;                 ///< blocks that are never freed are findings
   /// What is allocated where the code never frees anything is a leak, too.
   bool kept_memory_leaks = true;
-  bool uninitialised = true;         ///< reads of memory that nothing was written to are findings
+  bool uninitialised = true;  ///< reads of memory that nothing was written to are findings
   /// Executions are those of x86 hardware: its orders are stronger than the code may ask for.
   bool on_x86 = false;
   bool races = true;  ///< data races are findings; if not, plain reads see what memory holds

@@ -42,8 +42,7 @@ void say(const SearchResult& s) {
 
 class ProgramCheck {
  public:
-  ProgramCheck(virtual_cores::Module& module, const ProgramSettings& settings,
-               Again again)
+  ProgramCheck(virtual_cores::Module& module, const ProgramSettings& settings, Again again)
       : module_(module),
         settings_(settings),
         again_(std::move(again)),
@@ -144,7 +143,8 @@ class ProgramCheck {
 
   void add(SearchResult made) {
     const Result& result = made.result;
-    limited_ = limited_ || (made.search == name_of(Search::exhaustive) && !result.incomplete.empty());
+    limited_ =
+        limited_ || (made.search == name_of(Search::exhaustive) && !result.incomplete.empty());
     fruitless_ = result.complete + result.blocked == 0 && !result.incomplete.empty();
     all_.found = all_.found || result.finding;
     all_.differs = all_.differs || result.differs;
@@ -226,25 +226,28 @@ std::string verdict(const ProgramSettings& settings, const ProgramResult& result
     text += fmt::format("nothing found. Proved: all of its {} executions were looked at.",
                         result.searches.back().result.executions);
   else if (result.differs)
-    text += "nothing is known of it: executions differ where all choices are the same, so that it "
-            "depends on chance, time or a state that the checker does not give it.";
+    text +=
+        "nothing is known of it: executions differ where all choices are the same, so that it "
+        "depends on chance, time or a state that the checker does not give it.";
   else if (result.whole)
-    text += fmt::format("nothing found. All of its executions were looked at; nothing is proved, "
-                        "for {}.",
-                        result.unseen.unproved);
+    text += fmt::format(
+        "nothing found. All of its executions were looked at; nothing is proved, "
+        "for {}.",
+        result.unseen.unproved);
   else if (std::ranges::any_of(result.searches, [](const SearchResult& s) {
              return s.search == name_of(Search::exhaustive);
            }))
-    text += fmt::format("nothing found in {} executions. Not searched whole, for {}.", executions,
-                        why);
+    text +=
+        fmt::format("nothing found in {} executions. Not searched whole, for {}.", executions, why);
   else
     text += fmt::format("nothing found in {} executions; samples prove nothing.", executions);
   if (result.threads <= 1 && !result.found)
     text += " It began no threads, so that there was nothing to explore.";
   if (!result.never_freed.empty())
-    text += fmt::format(" Lost at the end, and taken to be meant so because nothing of the kind is "
-                        "ever freed: what is allocated at {} (--unfreed makes that a finding).",
-                        fmt::join(result.never_freed, ", "));
+    text += fmt::format(
+        " Lost at the end, and taken to be meant so because nothing of the kind is "
+        "ever freed: what is allocated at {} (--unfreed makes that a finding).",
+        fmt::join(result.never_freed, ", "));
   return text;
 }
 

@@ -21,9 +21,9 @@ struct ProgramSettings {
   std::vector<std::string> arguments{};  ///< of `main`, without the name
   std::function<void()> work{};  ///< of the first thread, on its core; empty: the module's `main`
   unsigned (*failures)() = nullptr;  ///< assertions that have failed; of a test, see explore.hpp
-  unsigned threads = 8;                  ///< at most, the one of `main` included
-  std::optional<Search> search{};        ///< none: exhaustive, then bounded and sampled
-  double seconds = 50;                   ///< for all searches together, at most
+  unsigned threads = 8;              ///< at most, the one of `main` included
+  std::optional<Search> search{};    ///< none: exhaustive, then bounded and sampled
+  double seconds = 50;               ///< for all searches together, at most
   bool unfreed = false;  ///< what is allocated where the program never frees anything leaks, too
   Conduct conduct{};
   Options options{};
@@ -33,7 +33,7 @@ struct ProgramSettings {
 struct SearchResult {
   std::string search;
   Result result{};
-  std::string report{};  ///< of the finding; empty if there is none
+  std::string report{};                 ///< of the finding; empty if there is none
   std::string sentence{};               ///< of it
   std::vector<symbols::Line> places{};  ///< that the sentence speaks of
 };
@@ -42,10 +42,10 @@ struct ProgramResult {
   std::vector<SearchResult> searches;
   Unseen unseen;
   bool found = false;
-  bool whole = false;    ///< every execution was looked at, ...
-  bool proved = false;   ///< ... nothing was found, and everything was seen
-  bool differs = false;  ///< executions differ where all choices are the same
-  unsigned threads = 0;  ///< that were begun in the execution that began most
+  bool whole = false;                    ///< every execution was looked at, ...
+  bool proved = false;                   ///< ... nothing was found, and everything was seen
+  bool differs = false;                  ///< executions differ where all choices are the same
+  unsigned threads = 0;                  ///< that were begun in the execution that began most
   std::vector<std::string> never_freed;  ///< where it allocates what it loses: no finding
 };
 

@@ -29,8 +29,8 @@ json to_json(const ProgramSettings& settings, const ProgramResult& result,
          {"searches", json::array()}};
   for (const SearchResult& s : result.searches) {
     const Result& r = s.result;
-    json search{{"search", s.search},   {"executions", r.executions}, {"complete", r.complete},
-                {"blocked", r.blocked}, {"inconsistent", r.cut},      {"seconds", r.seconds},
+    json search{{"search", s.search},     {"executions", r.executions}, {"complete", r.complete},
+                {"blocked", r.blocked},   {"inconsistent", r.cut},      {"seconds", r.seconds},
                 {"finished", r.finished}, {"incomplete", r.incomplete}};
     if (r.finding) {
       search["finding"] = {{"kind", name_of(r.finding->kind)}, {"report", s.report}};
@@ -80,8 +80,7 @@ int run_program_command(const ProgramCommand& command) {
     return fmt::format("{} --replay \"{}\"", command.command, schedule);
   });
   if (!result.unseen.refused.empty())
-    throw UsageError(
-        fmt::format("{} cannot be checked: {}", settings.name, result.unseen.refused));
+    throw UsageError(fmt::format("{} cannot be checked: {}", settings.name, result.unseen.refused));
   for (const SearchResult& search : result.searches)
     if (!search.report.empty()) std::cout << '\n' << search.report;
   if (!settings.conduct.quiet) std::cout << words(result.unseen);

@@ -37,9 +37,9 @@ class ProgramOutput {
   void take() const;
   void give_back() const;
 
-  int kept_ = -1;                ///< a file in memory
-  int saved_[3] = {-1, -1, -1};  ///< the standard streams
-  pid_t process_ = 0;            ///< in which ...
+  int kept_ = -1;                  ///< a file in memory
+  int saved_[3] = {-1, -1, -1};    ///< the standard streams
+  pid_t process_ = 0;              ///< in which ...
   unsigned first_of_program_ = 0;  ///< ... files from here on are the program's
 };
 

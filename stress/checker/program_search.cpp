@@ -62,8 +62,7 @@ std::string ProgramSearch::search(const Program& program, Options options, doubl
     const double spent = stopwatch.seconds();
     options.seconds = std::max(seconds - spent, 0.01);
     if (conduct_.keep_going) options.known = known_;
-    const Result before =
-        std::exchange(result, check_in_parts(program, options, conduct_.jobs));
+    const Result before = std::exchange(result, check_in_parts(program, options, conduct_.jobs));
     place(result);
     add_counts(result, before);
     result.seconds += before.seconds;
@@ -71,8 +70,7 @@ std::string ProgramSearch::search(const Program& program, Options options, doubl
     if (!result.finding) return "";
     const bool is_news = is_new(*result.finding);
     std::string report;
-    if (is_news && conduct_.reports)
-      report = describe(options, simplest(program, options, result));
+    if (is_news && conduct_.reports) report = describe(options, simplest(program, options, result));
     if (!conduct_.keep_going) return report;
     if (is_news) found(report);
     result.finding.reset();

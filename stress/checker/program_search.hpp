@@ -35,7 +35,8 @@ class ProgramSearch {
   using Describe = std::function<std::string(const Options&, const Result&)>;
 
   /// Searches `program` for at most `seconds`, adds that to `result` and returns the report of its
-  /// finding, empty if there is none. Before each finding that it goes past, `found` has the report.
+  /// finding, empty if there is none. Before each finding that it goes past, `found` has the
+  /// report.
   std::string search(const Program& program, Options options, double seconds, Result& result,
                      const Describe& describe,
                      const std::function<void(const std::string& report)>& found);

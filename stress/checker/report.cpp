@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-
 namespace irt::checker {
 
 namespace {
@@ -55,12 +54,14 @@ std::string words(OnX86 answer) {
     case OnX86::shows:
       return "x86 hardware can show it, too.\n";
     case OnX86::cannot:
-      return "Only machines with weaker orders than x86 can show it, as ARM and POWER are, or a compiler\n"
+      return "Only machines with weaker orders than x86 can show it, as ARM and POWER are, or a "
+             "compiler\n"
              "that makes use of the orders: none of all executions on x86 does.\n";
     case OnX86::unknown:
       break;
   }
-  return "Whether x86 hardware can show it is not known: by x86's rules it was not found in the time\n"
+  return "Whether x86 hardware can show it is not known: by x86's rules it was not found in the "
+         "time\n"
          "there was.\n";
 }
 
@@ -136,7 +137,8 @@ std::string standings(const Execution& execution, Symbols& symbols) {
     for (std::size_t i = 0; i < std::min(reads.size(), most); ++i) {
       const Event& read = execution.graph().event(reads[i]);
       text += fmt::format("    {} {}, {}\n", symbols.name(read.pc),
-                          described(execution, read, symbols, values, 70), origin(execution, read, symbols));
+                          described(execution, read, symbols, values, 70),
+                          origin(execution, read, symbols));
     }
     if (reads.size() > most) text += fmt::format("    and {} more\n", reads.size() - most);
   }

@@ -209,7 +209,8 @@ bool Graph::allows(Event& event, std::uint32_t id, std::size_t place) {
   const bool reads = event.kind != EventKind::store;
   // What reads the newest store or becomes it comes after everything: nothing that was in order can
   // be put out of order by it, so only other places need the test.
-  if ((seq_cst_ == 0 && !on_x86_) || place + (reads ? 1 : 0) == locations_[id].stores.size()) return true;
+  if ((seq_cst_ == 0 && !on_x86_) || place + (reads ? 1 : 0) == locations_[id].stores.size())
+    return true;
   const Event saved = event;
   ThreadClocks& mine = threads_[event.thread];
   const Clock now = mine.now;

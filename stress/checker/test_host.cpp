@@ -121,12 +121,11 @@ int run_tests(const std::string& file, const std::vector<std::string>& arguments
 }  // namespace irt::checker
 
 extern "C" __attribute__((visibility("default"))) void irt_explore(void (*body)(void*),
-                                                                  void* argument,
-                                                                  const irt_exploration* how,
-                                                                  irt_explored* explored) {
+                                                                   void* argument,
+                                                                   const irt_exploration* how,
+                                                                   irt_explored* explored) {
   static std::string wrong;
-  const irt::checker::ProgramSettings settings =
-      irt::checker::settings_of(body, argument, *how);
+  const irt::checker::ProgramSettings settings = irt::checker::settings_of(body, argument, *how);
   const irt::checker::Answer answer = irt::checker::explored_elsewhere(settings);
   wrong = answer.wrong;
   *explored = {answer.executions, answer.whole, wrong.empty() ? nullptr : wrong.c_str()};

@@ -1,8 +1,10 @@
-// The rules of x86, besides those of C++: total store order (Owens, Sarkar and Sewell 2009, "A Better
-// x86 Memory Model: x86-TSO"; as axioms in Alglave, Maranget and Tautschnig 2014, "Herding Cats").
+// The rules of x86, besides those of C++: total store order (Owens, Sarkar and Sewell 2009, "A
+// Better x86 Memory Model: x86-TSO"; as axioms in Alglave, Maranget and Tautschnig 2014, "Herding
+// Cats").
 //
-// Stores are seen by all in one order; only a load may be made before an earlier store of its thread
-// is, for that waits in the store buffer. An execution is possible if this relation has no cycle:
+// Stores are seen by all in one order; only a load may be made before an earlier store of its
+// thread is, for that waits in the store buffer. An execution is possible if this relation has no
+// cycle:
 //   - program order, but from a store to later loads with nothing between them that empties the
 //     buffer: a locked instruction (a read-modify-write, a failed one, a seq_cst store, which
 //     compiles to one) or a seq_cst fence;

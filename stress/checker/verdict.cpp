@@ -121,7 +121,8 @@ void withhold(ShapeResult& shape) {
 // Where executions differ, what one of them finds may come from what the others left behind.
 void withhold_findings(QueueResult& all) {
   all.differs = true;
-  if (all.unseen.unproved.empty()) all.unseen.unproved = "executions differ where all choices are the same";
+  if (all.unseen.unproved.empty())
+    all.unseen.unproved = "executions differ where all choices are the same";
   for (ShapeResult& shape : all.shapes) withhold(shape);
   all.found = false;
 }

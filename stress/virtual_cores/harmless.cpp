@@ -27,7 +27,8 @@ constexpr std::array exact{
     "_ZNSt9type_infoeqERKS_"sv, "_ZNKSt9type_info6beforeERKS_"sv,
     // std::generic_category, std::system_category, std::future_category.
     "_ZNSt3_V216generic_categoryEv"sv, "_ZNSt3_V215system_categoryEv"sv, "_ZSt15future_categoryv"sv,
-    // The standard streams, which may be shared, and what the library has in common for all streams.
+    // The standard streams, which may be shared, and what the library has in common for all
+    // streams.
     "_ZSt3cin"sv, "_ZSt4cout"sv, "_ZSt4cerr"sv, "_ZSt4clog"sv, "stdin"sv, "stdout"sv, "stderr"sv,
     "_ZNKSt5ctypeIcE13_M_widen_initEv"sv, "_ZNSt5ctypeIcE2idE"sv, "__dynamic_cast"sv,
     "__uselocale"sv, "fflush"sv, "putchar"sv, "fputc"sv, "putc"sv, "setvbuf"sv, "setbuf"sv,
@@ -37,8 +38,7 @@ constexpr std::array exact{
     "_ZNSt6locale5facet15_S_get_c_localeEv"sv, "_ZNSt6locale5facetD2Ev"sv,
     "_ZNKSt6locale2id5_M_idEv"sv,
     // Exceptions that are kept and thrown again elsewhere: who hands them over synchronises.
-    "_ZSt17current_exceptionv"sv,
-    "_ZSt17rethrow_exceptionNSt15__exception_ptr13exception_ptrE"sv,
+    "_ZSt17current_exceptionv"sv, "_ZSt17rethrow_exceptionNSt15__exception_ptr13exception_ptrE"sv,
     // Threads, and what the machine has.
     "_ZNSt6thread6_StateD1Ev"sv, "_ZNSt6thread6_StateD2Ev"sv, "_ZTVNSt6thread6_StateE"sv,
     "pthread_attr_init"sv, "pthread_attr_destroy"sv, "pthread_attr_setdetachstate"sv,

@@ -1,5 +1,5 @@
-// What instrumented code writes to its outputs: the C library does it, and what it reads for that is
-// announced.
+// What instrumented code writes to its outputs: the C library does it, and what it reads for that
+// is announced.
 
 #include <algorithm>
 #include <cerrno>
@@ -72,11 +72,11 @@ int write_into(char* to, std::size_t size, const char* format, std::va_list argu
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 
 // A function with `...` in terms of the one with a va_list.
-#define IRT_VARIADIC(call)        \
-  std::va_list arguments;         \
-  va_start(arguments, format);    \
-  const int result = call;        \
-  va_end(arguments);              \
+#define IRT_VARIADIC(call)     \
+  std::va_list arguments;      \
+  va_start(arguments, format); \
+  const int result = call;     \
+  va_end(arguments);           \
   return result
 
 IRT_REDIRECTED int irt_vc_printf(const char* format, ...) {

@@ -10,8 +10,8 @@
 /// Nothing says that the thread sanitizer is on: libraries choose other code by that, also the C++
 /// library (`shared_ptr`). GCC's macro is undefined on the command line; Clang is asked by
 /// `__has_feature`, which answers here as `__has_extension` does for everything else.
-/// Templates that the C++ library has in compiled code are compiled again, for what they do to memory
-/// to be seen.
+/// Templates that the C++ library has in compiled code are compiled again, for what they do to
+/// memory to be seen.
 ///
 /// A section says that the plug-in announcer.cpp was there: results of calls are on stacks then.
 #pragma once

@@ -124,6 +124,11 @@ IRT_DELETE(_ZdaPvRKSt9nothrow_t, const void*)
 IRT_DELETE(_ZdlPvSt11align_val_tRKSt9nothrow_t, std::size_t, const void*)
 IRT_DELETE(_ZdaPvSt11align_val_tRKSt9nothrow_t, std::size_t, const void*)
 #undef IRT_DELETE
+// What libraries in a module free that is not compiled for virtual cores, by the linker's --wrap.
+asm(".globl __wrap_free\n.set __wrap_free, irt_vc_free");
+asm(".globl __wrap__ZdlPv\n.set __wrap__ZdlPv, irt_vc__ZdlPv");
+asm(".globl __wrap__ZdlPvm\n.set __wrap__ZdlPvm, irt_vc__ZdlPvm");
+asm(".globl __wrap__ZdaPv\n.set __wrap__ZdaPv, irt_vc__ZdaPv");
 
 // libstdc++ counts shared_ptr references without atomics while this is not zero.
 extern "C" __attribute__((visibility("default"))) char irt_vc___libc_single_threaded;

@@ -8,11 +8,11 @@
 #define IRT_PC __builtin_return_address(0)
 
 // A member of `class` without arguments that sets up, or ends, the object it is called for.
-#define IRT_MEMBER(name, type)                                                   \
-  extern "C" void real_##name(type* object) asm(#name);                          \
-  IRT_REDIRECTED void irt_vc_##name(type* object) {                              \
-    irt::virtual_cores::announce_write(object, sizeof(type), IRT_PC);            \
-    real_##name(object);                                                         \
+#define IRT_MEMBER(name, type)                                        \
+  extern "C" void real_##name(type* object) asm(#name);               \
+  IRT_REDIRECTED void irt_vc_##name(type* object) {                   \
+    irt::virtual_cores::announce_write(object, sizeof(type), IRT_PC); \
+    real_##name(object);                                              \
   }
 
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)

@@ -171,14 +171,14 @@ IRT_REDIRECTED char* irt_vc_strncat(char* to, const char* from, std::size_t limi
   return to;
 }
 // Numbers in texts. What is read is taken to be the whole text.
-#define IRT_NUMBER(type, name, ...)                                                          \
-  IRT_REDIRECTED type irt_vc_##name(const char* text, char** end __VA_OPT__(, int base)) {   \
-    announce_read(text, std::strlen(text) + 1, IRT_PC);                                      \
-    if (end != nullptr) announce_write(end, sizeof *end, IRT_PC);                            \
-    errno = 0;                                                                               \
-    const type number = name(text, end __VA_OPT__(, base));                                  \
-    if (errno != 0) irt::virtual_cores::core_errno() = errno;                                \
-    return number;                                                                           \
+#define IRT_NUMBER(type, name, ...)                                                        \
+  IRT_REDIRECTED type irt_vc_##name(const char* text, char** end __VA_OPT__(, int base)) { \
+    announce_read(text, std::strlen(text) + 1, IRT_PC);                                    \
+    if (end != nullptr) announce_write(end, sizeof *end, IRT_PC);                          \
+    errno = 0;                                                                             \
+    const type number = name(text, end __VA_OPT__(, base));                                \
+    if (errno != 0) irt::virtual_cores::core_errno() = errno;                              \
+    return number;                                                                         \
   }
 IRT_NUMBER(long, strtol, base)
 IRT_NUMBER(long long, strtoll, base)

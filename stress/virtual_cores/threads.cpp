@@ -25,7 +25,7 @@ using irt::virtual_cores::run_thread_exits;
 #define IRT_PC __builtin_return_address(0)
 
 struct Thread {
-  void* (*routine)(void*) = nullptr;   ///< POSIX's kind, or ...
+  void* (*routine)(void*) = nullptr;    ///< POSIX's kind, or ...
   int (*c11_routine)(void*) = nullptr;  ///< ... C11's
   void* argument = nullptr;
   void* result = nullptr;
@@ -65,9 +65,8 @@ void run_thread(Work work) {
 void begin(void*) {
   run_thread([] {
     const Thread begun = thread_of(current_core);
-    void* const result = begun.routine != nullptr
-                             ? begun.routine(begun.argument)
-                             : pointer_to(begun.c11_routine(begun.argument));
+    void* const result = begun.routine != nullptr ? begun.routine(begun.argument)
+                                                  : pointer_to(begun.c11_routine(begun.argument));
     thread_of(current_core).result = result;
   });
 }
@@ -255,8 +254,8 @@ IRT_REDIRECTED void irt_vc__exit(int status) {
 asm(".globl irt_vc__Exit\n.set irt_vc__Exit, irt_vc__exit");
 asm(".globl irt_vc_quick_exit\n.set irt_vc_quick_exit, irt_vc__exit");
 IRT_REDIRECTED int irt_vc_atexit(void (*function)()) {
-  return register_handler({[](void* f) { reinterpret_cast<void (*)()>(f)(); },
-                           reinterpret_cast<void*>(function)});
+  return register_handler(
+      {[](void* f) { reinterpret_cast<void (*)()>(f)(); }, reinterpret_cast<void*>(function)});
 }
 IRT_REDIRECTED int irt_vc_at_quick_exit(void (*)()) {
   return 0;

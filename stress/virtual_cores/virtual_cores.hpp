@@ -191,9 +191,9 @@ bool is_of_library(std::uintptr_t address);
 /// Where `core` keeps its thread_local variables; nothing once it has ended or begun anew.
 std::vector<Range> thread_locals_of(unsigned core);
 
-/// Calls `main` on the core in progress as the C library does, with its names and arguments: what it
-/// returns ends the process by `Process::exit`, and so does `exit()`, after what is registered for
-/// that. `main` may be of any type that C and C++ allow.
+/// Calls `main` on the core in progress as the C library does, with its names and arguments: what
+/// it returns ends the process by `Process::exit`, and so does `exit()`, after what is registered
+/// for that. `main` may be of any type that C and C++ allow.
 void run_program(void (*main)(), const std::vector<std::string>& arguments);
 /// Calls `body` on the core in progress as if it were all of a program, whose end is its own.
 void run_body(const std::function<void()>& body);

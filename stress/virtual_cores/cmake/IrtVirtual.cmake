@@ -81,15 +81,23 @@ function(irt_virtual_module name)
     string(APPEND exported " ${symbol};")
   endforeach()
   file(CONFIGURE OUTPUT ${exports} CONTENT "{ global: @exported@ local: *; };\n" @ONLY)
+  # What has a function to export is linked with libraries that run natively. Templates that both have
+  # stay apart, and what the code has allocated may be freed there.
   set(wanted ${ARG_EXPORTS})
   list(TRANSFORM wanted PREPEND -Wl,--undefined=)
+  set(apart)
+  if(ARG_EXPORTS)
+    set(apart --remove-section=.group --wildcard --keep-global-symbol=main --keep-global-symbol=irt_*
+      --keep-global-symbol=_ZNSt*2idE)
+    list(APPEND wanted -Wl,--wrap=free -Wl,--wrap=_ZdlPv -Wl,--wrap=_ZdlPvm -Wl,--wrap=_ZdaPv)
+  endif()
   # The objects linked into one, what the C library's names stand for renamed, and that linked again.
   set(merged ${CMAKE_CURRENT_BINARY_DIR}/${name}.merged.o)
   set(renamed ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
   add_custom_command(OUTPUT ${file}
     COMMAND ${CMAKE_LINKER} -r -o ${merged} $<TARGET_OBJECTS:${name}_objects>
-    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main ${merged}
-            ${renamed}
+    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main ${apart}
+            ${merged} ${renamed}
     COMMAND ${CMAKE_CXX_COMPILER} -shared -o ${file} ${renamed}
             -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic-functions -Wl,--version-script=${exports} ${wanted}
             $<TARGET_FILE:irt_virtual_library> $<TARGET_FILE:irt_virtual_cores>

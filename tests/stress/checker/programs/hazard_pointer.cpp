@@ -9,7 +9,8 @@ void read() {
   int* const seen = shared.load(std::memory_order_relaxed);
   hazard.store(seen, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_seq_cst);
-  if (seen != nullptr && shared.load(std::memory_order_acquire) == seen && *seen != 1) __builtin_trap();
+  if (seen != nullptr && shared.load(std::memory_order_acquire) == seen && *seen != 1)
+    __builtin_trap();
   hazard.store(nullptr, std::memory_order_release);
 }
 

@@ -8,7 +8,8 @@ std::atomic<int*> hazard{nullptr};
 void read() {
   int* const seen = shared.load(std::memory_order_relaxed);
   hazard.store(seen, std::memory_order_relaxed);
-  if (seen != nullptr && shared.load(std::memory_order_acquire) == seen && *seen != 1) __builtin_trap();
+  if (seen != nullptr && shared.load(std::memory_order_acquire) == seen && *seen != 1)
+    __builtin_trap();
   hazard.store(nullptr, std::memory_order_release);
 }
 

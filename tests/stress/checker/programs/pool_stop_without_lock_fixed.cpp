@@ -1,43 +1,45 @@
 // finds: nothing
-// bshoshany/thread-pool#93 and pull 108, mended: the pool's end sets its flag under the mutex, so that no worker is between its check and its sleep
+// bshoshany/thread-pool#93 and pull 108, mended: the pool's end sets its flag under the mutex, so
+// that no worker is between its check and its sleep
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
 struct Pool {
-    std::mutex mutex;
-    std::condition_variable changed;
-    std::atomic<bool> running{true};
-    int jobs = 0;
-    int jobs_done = 0;
-    std::thread worker{[this] { work(); }};
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::atomic<bool> running{true};
+  int jobs = 0;
+  int jobs_done = 0;
+  std::thread worker{[this] { work(); }};
 
-    void work() {
-        while (true) {
-            std::unique_lock lock(mutex);
-            changed.wait(lock, [this] { return jobs != 0 || !running; });
-            if (jobs == 0) return;
-            --jobs;
-            ++jobs_done;
-        }
+  void work() {
+    while (true) {
+      std::unique_lock lock(mutex);
+      changed.wait(lock, [this] { return jobs != 0 || !running; });
+      if (jobs == 0) return;
+      --jobs;
+      ++jobs_done;
     }
+  }
 
-    ~Pool() {
-        {
-            const std::scoped_lock lock(mutex);
-            running = false;
-        }
-        changed.notify_all();
-        worker.join();
+  ~Pool() {
+    {
+      const std::scoped_lock lock(mutex);
+      running = false;
     }
+    changed.notify_all();
+    worker.join();
+  }
 };
 
 int main() {
-    Pool pool;
-    {
-        const std::scoped_lock lock(pool.mutex);
-        pool.jobs = 1;
-    }
-    pool.changed.notify_one();
+  Pool pool;
+  {
+    const std::scoped_lock lock(pool.mutex);
+    pool.jobs = 1;
+  }
+  pool.changed.notify_one();
+  return 0;
 }

@@ -6,7 +6,9 @@
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static int made;
 
-static void make() { ++made; }
+static void make() {
+  ++made;
+}
 
 static void* work(void* argument) {
   pthread_once(&once, make);

@@ -1,31 +1,33 @@
 // finds: nothing
-// rust-lang/rust#51780, mended: the load that finds the sole owner acquires what the others released
+// rust-lang/rust#51780, mended: the load that finds the sole owner acquires what the others
+// released
 #include <atomic>
 #include <thread>
 
 struct Counted {
-    std::atomic<int> owners{2};
-    int value = 0;
+  std::atomic<int> owners{2};
+  int value = 0;
 
-    void drop() {
-        if (owners.fetch_sub(1, std::memory_order_release) != 1) return;
-        std::atomic_thread_fence(std::memory_order_acquire);
-        delete this;
-    }
+  void drop() {
+    if (owners.fetch_sub(1, std::memory_order_release) != 1) return;
+    std::atomic_thread_fence(std::memory_order_acquire);
+    delete this;
+  }
 
-    int* value_if_sole_owner() {
-        if (owners.load(std::memory_order_acquire) != 1) return nullptr;
-        return &value;
-    }
+  int* value_if_sole_owner() {
+    if (owners.load(std::memory_order_acquire) != 1) return nullptr;
+    return &value;
+  }
 };
 
 int main() {
-    auto* shared = new Counted;
-    std::thread other([shared] {
-        shared->value = 1;
-        shared->drop();
-    });
-    if (int* mine = shared->value_if_sole_owner()) *mine = 2;
+  auto* shared = new Counted;
+  std::thread other([shared] {
+    shared->value = 1;
     shared->drop();
-    other.join();
+  });
+  if (int* mine = shared->value_if_sole_owner()) *mine = 2;
+  shared->drop();
+  other.join();
+  return 0;
 }
