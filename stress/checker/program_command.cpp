@@ -1,6 +1,7 @@
 #include "stress/checker/program_command.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <iostream>
@@ -41,11 +42,18 @@ json to_json(const ProgramSettings& settings, const ProgramResult& result,
   return j;
 }
 
+/// As who reads the results knows it: from the directory that the tool was called in.
+std::string path_from_here(const std::string& file) {
+  const std::filesystem::path path = std::filesystem::weakly_canonical(file);
+  const std::string relative = path.lexically_relative(std::filesystem::current_path());
+  return relative.empty() || relative.starts_with("..") ? path.string() : relative;
+}
+
 /// SARIF 2.1.0 (OASIS): each finding as a result with its first place, and the others related.
 json to_sarif(const ProgramResult& result) {
   const auto location = [](const symbols::Line& line) {
     return json{{"physicalLocation",
-                 {{"artifactLocation", {{"uri", line.file}}},
+                 {{"artifactLocation", {{"uri", path_from_here(line.file)}}},
                   {"region", {{"startLine", std::max(line.number, 1U)}}}}}};
   };
   json results = json::array();

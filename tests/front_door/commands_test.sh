@@ -152,6 +152,33 @@ write_queue() {
   } >"$file"
 }
 
+# A source among the arguments of check is a program; what belongs to it is for the compiler, and what
+# follows -- its own.
+program_is_told_from_options() {
+  local room
+  room=$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/../../bench/front_door
+  source "$room/outside.sh"
+  source "$room/programs.sh"
+  install_development() { :; }
+  build_program() {
+    built=("$@")
+    program_module=/build/program.so
+  }
+  cd "$work" || exit 1
+  touch main.cpp more.c
+  replace_program release --seconds 3 main.cpp more.c --include . --flag=-DX --json out.json -- 4 a.cpp
+  diff <(printf '<%s>\n' "${replaced[@]}") \
+    <(printf '<%s>\n' --seconds 3 --json out.json --program main.cpp --module /build/program.so -- 4 a.cpp) ||
+    fail 'passed on otherwise'
+  diff <(printf '<%s>\n' "${built[@]}") \
+    <(printf '<%s>\n' release main.cpp ",$work" '' ",$work/main.cpp,$work/more.c" ,-DX) ||
+    fail 'built otherwise'
+  [[ $IRT_PROGRAM_GIVEN == 'main.cpp more.c --include=. --flag=-DX' ]] ||
+    fail "told as $IRT_PROGRAM_GIVEN"
+  replace_program release --queue lfree
+  [[ "${replaced[*]}" == '--queue lfree' ]] || fail 'a queue became a program'
+}
+
 outside_queue_is_built_and_passed_on() {
   cd "$work" || exit 1
   write_queue 'my queues/spin_ring.hpp' SpinRing

@@ -292,8 +292,8 @@ const Program programs[] = {
         x.store(1);
         x.notify_one();
       }}},
-    // libstdc++ 12 looks for waiters with a seq_cst load, which a weaker store may pass, so that the
-    // notification would be skipped: no fault of the code's (virtual_cores/library/headers).
+    // libstdc++ 12 looks for waiters with a seq_cst load, which a weaker store may pass, so that
+    // the notification would be skipped: no fault of the code's (virtual_cores/library/headers).
     {"atomic wait, notified after a release",
      "",
      {[] { x.wait(0); },

@@ -43,7 +43,8 @@ class Programs : public testing::TestWithParam<irt::programs::Entry> {};
 
 TEST_P(Programs, are_known_for_what_they_are) {
   const checker::ProgramSettings settings = settings_of(GetParam());
-  const checker::ProgramResult result = check_program(module(), settings, [](const std::string& s) { return s; });
+  const checker::ProgramResult result =
+      check_program(module(), settings, [](const std::string& s) { return s; });
   EXPECT_NE((" | " + std::string(GetParam().finds) + " | ").find(" | " + found(result) + " | "),
             std::string::npos)
       << found(result) << ", for " << GetParam().finds << ": " << verdict(settings, result)

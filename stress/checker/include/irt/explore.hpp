@@ -14,8 +14,8 @@
 ///       });
 ///     }
 ///
-/// built by irt_add_check() of CMake's package `irt`, which runs it, too. The body runs many times, so
-/// that what it works on is made within it; docs/check-a-program.md says more.
+/// built by irt_add_check() of CMake's package `irt`, which runs it, too. The body runs many times,
+/// so that what it works on is made within it; docs/check-a-program.md says more.
 #pragma once
 
 #include <cstdint>
@@ -74,16 +74,15 @@ inline unsigned failures() {
 
 }  // namespace detail
 
-/// Runs `body` and the threads that it begins in every execution, or in as many as there is time for.
-/// Throws std::runtime_error, with the counterexample, where one is wrong: a failed assertion, an
-/// exception, a data race, a deadlock, memory that is used after it was freed, ...; also where there
-/// was nothing to explore, for `body` began no threads.
+/// Runs `body` and the threads that it begins in every execution, or in as many as there is time
+/// for. Throws std::runtime_error, with the counterexample, where one is wrong: a failed assertion,
+/// an exception, a data race, a deadlock, memory that is used after it was freed, ...; also where
+/// there was nothing to explore, for `body` began no threads.
 inline Explored explore(const std::function<void()>& body, const Exploration& how = {}) {
   const irt_exploration asked{how.threads, how.seconds, how.strategy, how.seed, detail::failures};
   irt_explored explored{};
-  irt_explore(
-      [](void* function) { (*static_cast<const std::function<void()>*>(function))(); },
-      const_cast<std::function<void()>*>(&body), &asked, &explored);
+  irt_explore([](void* function) { (*static_cast<const std::function<void()>*>(function))(); },
+              const_cast<std::function<void()>*>(&body), &asked, &explored);
   if (explored.wrong != nullptr) throw std::runtime_error(explored.wrong);
   return {explored.executions, explored.whole};
 }
