@@ -25,7 +25,7 @@ void* Allocations::allocate(std::size_t size, std::size_t alignment, const void*
   const auto address = reinterpret_cast<std::uintptr_t>(block);
   state_.note(Look::Kind::allocate, address, size);
   const unsigned thread = state_.current();
-  state_.heap.find(address)->allocated_after = state_.graph.thread(thread).now.count[thread];
+  state_.heap.date(address, state_.graph.thread(thread).now.count[thread]);
   // What is there must not depend on the execution before.
   std::memset(block, 0xA5, size);
   return block;

@@ -14,6 +14,7 @@ void ExecutionParts::begin(Strategy& strategy) {
   state.begin(strategy);
   turns.begin();
   loops.begin();
+  watch.begin();
   allocations.begin();
   kernel.begin();
   process.begin();
@@ -62,6 +63,11 @@ std::size_t Events::block_size(void* pointer) {
 bool Events::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc) {
   return parts.state.observed() ? parts.kernel.lock(address, nanoseconds, pc)
                                 : Tenant::lock(address, nanoseconds, pc);
+}
+
+void Events::leave_function(std::uintptr_t frame_end, const void* pc) {
+  if (parts.state.program.own_threads != 0 && parts.state.phase == Phase::parallel)
+    parts.watch.leave(frame_end, pc);
 }
 
 unsigned Events::finished(unsigned core) {

@@ -71,11 +71,15 @@ class Events final : public virtual_cores::Tenant {
   unsigned wake(std::uintptr_t address, unsigned count, const void* pc) override {
     return parts.kernel.wake(address, count, pc);
   }
+  void sleep(std::int64_t nanoseconds, const void* /*pc*/) override {
+    parts.kernel.sleep(nanoseconds);
+  }
   std::int64_t now() override { return parts.kernel.now(); }
   std::uint64_t random() override { return parts.kernel.random(); }
   virtual_cores::Process* process() override {
     return parts.state.program.own_threads != 0 ? &parts.process : nullptr;
   }
+  void leave_function(std::uintptr_t frame_end, const void* pc) override;
   unsigned finished(unsigned core) override;
   void on_failure(const std::string& what, const void* pc) override;
   [[nodiscard]] std::uint64_t beats() const override { return parts.state.beats; }

@@ -60,9 +60,11 @@ void ExecutionState::take_down(Look::Kind kind, std::uintptr_t address, std::siz
     diary->note_block(kind, current(), moment, address, size);
 }
 
-bool ExecutionState::is_stack(std::uintptr_t address) const {
-  return std::ranges::any_of(stacks,
-                             [&](std::uintptr_t stack) { return address - stack < stack_bytes; });
+std::size_t ExecutionState::owner_of_stack(std::uintptr_t address) const {
+  if (address < stacks.front()) return stacks.size();
+  const auto after = std::ranges::upper_bound(stacks, address);
+  const auto owner = static_cast<std::size_t>(after - stacks.begin()) - 1;
+  return address - stacks[owner] < stack_bytes ? owner : stacks.size();
 }
 
 bool ExecutionState::is_global(std::uintptr_t address) const {

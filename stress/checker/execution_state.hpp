@@ -76,7 +76,11 @@ struct ExecutionState {
   [[nodiscard]] bool on_own_stack(std::uintptr_t address) const {
     return address - stacks[current()] < stack_bytes;
   }
-  [[nodiscard]] bool is_stack(std::uintptr_t address) const;
+  [[nodiscard]] bool is_stack(std::uintptr_t address) const {
+    return owner_of_stack(address) < stacks.size();
+  }
+  /// The core on whose stack `address` is; another number if it is on none.
+  [[nodiscard]] std::size_t owner_of_stack(std::uintptr_t address) const;
   /// Whether it is in a variable of the module.
   [[nodiscard]] bool is_global(std::uintptr_t address) const;
   /// Stands for the registers of the core in progress and what is on its stack.

@@ -8,6 +8,8 @@ std::string_view name_of(FindingKind kind) {
       return "data race";
     case FindingKind::use_after_free:
       return "use after free";
+    case FindingKind::use_after_return:
+      return "use after return";
     case FindingKind::double_free:
       return "double free";
     case FindingKind::invalid_free:

@@ -11,6 +11,7 @@ namespace irt::checker {
 enum class FindingKind : std::uint8_t {
   data_race,
   use_after_free,
+  use_after_return,  ///< of a variable of a function that has returned
   double_free,
   invalid_free,  ///< of what is not the beginning of a block
   out_of_bounds,

@@ -47,6 +47,7 @@ void Heap::clear() {
   touches_.clear();
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     regions_[i].next = base_ + i * region_bytes + 64;
+    regions_[i].last_allocation = 0;
     regions_[i].blocks.clear();
     regions_[i].freed.clear();
   }
@@ -105,6 +106,11 @@ void Heap::free(Block& block, unsigned thread, const void* pc) {
   // Only the allocating thread's own blocks come back to it: others' would need an order.
   if (block.allocated_by == thread)
     regions_[thread].freed.push_back(static_cast<std::uint32_t>(&block - blocks_.data()) + 1);
+}
+
+void Heap::date(std::uintptr_t address, std::uint16_t after) {
+  find(address)->allocated_after = after;
+  regions_[region_of(address)].last_allocation = after;
 }
 
 Block* Heap::find(std::uintptr_t address) {

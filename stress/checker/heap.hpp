@@ -84,6 +84,12 @@ class Heap {
   /// The block of that size that it freed last; there must be one.
   void* reuse(unsigned thread, std::size_t size, std::size_t alignment, const void* pc);
   void free(Block& block, unsigned thread, const void* pc);
+  /// The block at `address` was allocated after so many events of its thread.
+  void date(std::uintptr_t address, std::uint16_t after);
+  /// After how many of its events `thread` has allocated last.
+  [[nodiscard]] std::uint16_t last_allocation_of(unsigned thread) const {
+    return regions_[thread].last_allocation;
+  }
 
   [[nodiscard]] bool owns(std::uintptr_t address) const { return address - base_ < bytes_; }
   /// Whose region `address` is in; `no_region` if it is in none.
@@ -122,6 +128,7 @@ class Heap {
  private:
   struct Region {
     std::uintptr_t next = 0;
+    std::uint16_t last_allocation = 0;  ///< after so many events
     std::vector<std::uint32_t> blocks;  ///< in the order of their addresses
     std::vector<std::uint32_t> freed;   ///< in the order in which they were freed
   };

@@ -1,5 +1,7 @@
 #include "stress/checker/kernel.hpp"
 
+#include <algorithm>
+
 #include "queues/split_mix.hpp"
 
 namespace irt::checker {
@@ -54,7 +56,7 @@ unsigned sleeper_count(Value sleepers) {
 
 bool Kernel::times_out(std::int64_t nanoseconds, const void* pc) {
   if (!loops_.times_out(pc)) return false;
-  asked_[state_.current()].waited += nanoseconds;
+  pass(nanoseconds);
   return true;
 }
 
@@ -93,7 +95,7 @@ Wake Kernel::wait_alone(std::uintptr_t address, std::uint32_t expected, std::int
                         const void* pc) {
   if (accesses_.load({address, 4, Order::acquire, pc}) != expected) return Wake::value_differs;
   if (nanoseconds >= 0) {
-    if (state_.phase != Phase::idle) asked_[state_.current()].waited += nanoseconds;
+    pass(nanoseconds);
     return Wake::timed_out;
   }
   if (state_.phase == Phase::endless) alone_.conclude(true, pc);
@@ -190,11 +192,37 @@ void Kernel::look_outside() {
   if (state_.observed()) state_.conclusion.check_time();
 }
 
+std::int64_t Kernel::time() {
+  const unsigned thread = state_.current();
+  const Clock& known = state_.graph.thread(thread).now;
+  std::int64_t time = 0;
+  for (unsigned other = 0; other < asked_.size(); ++other) {
+    const std::vector<Reading>& clock = asked_[other].clock;
+    // What another one reads is known from its next event on.
+    const auto after =
+        other == thread ? clock.end()
+                        : std::ranges::lower_bound(clock, known.count[other], {}, &Reading::moment);
+    if (after != clock.begin()) time = std::max(time, std::prev(after)->time);
+  }
+  return time;
+}
+
+void Kernel::pass(std::int64_t nanoseconds) {
+  if (state_.phase == Phase::idle || nanoseconds <= 0) return;
+  const unsigned thread = state_.current();
+  const Reading reading{state_.graph.thread(thread).now.count[thread], time() + nanoseconds};
+  std::vector<Reading>& clock = asked_[thread].clock;
+  if (!clock.empty() && clock.back().moment == reading.moment)
+    clock.back() = reading;
+  else
+    clock.push_back(reading);
+}
+
 std::int64_t Kernel::now() {
+  constexpr std::int64_t one_look = 1000;
   look_outside();
-  if (state_.phase == Phase::idle) return 0;
-  ++asked_[state_.current()].clock;
-  return time();
+  pass(one_look);
+  return state_.phase == Phase::idle ? 0 : time();
 }
 
 std::uint64_t Kernel::random() {

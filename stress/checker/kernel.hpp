@@ -25,7 +25,12 @@ class Kernel {
         asked_(state.threads + 1) {}
 
   /// The next execution begins.
-  void begin() { asked_.assign(asked_.size(), {}); }
+  void begin() {
+    for (Asked& asked : asked_) {
+      asked.random = 0;
+      asked.clock.clear();
+    }
+  }
 
   // See Tenant.
   bool lock(std::uintptr_t address, std::int64_t nanoseconds, const void* pc);
@@ -34,6 +39,7 @@ class Kernel {
   virtual_cores::Wake wait(std::uintptr_t address, std::uint32_t expected, std::int64_t nanoseconds,
                            const void* pc);
   unsigned wake(std::uintptr_t address, unsigned count, const void* pc);
+  void sleep(std::int64_t nanoseconds) { pass(nanoseconds); }
   std::int64_t now();
   std::uint64_t random();
 
@@ -48,18 +54,22 @@ class Kernel {
   /// visible to the others. From 1 on; 0 before and after the threads.
   std::uint64_t tick();
   /// The time on the clock that the code of the thread in progress sees, in nanoseconds. It passes
-  /// with each look, and where a wait with a time-out is in vain.
-  [[nodiscard]] std::int64_t time() const {
-    const Asked& me = asked_[state_.current()];
-    return me.clock * 1000 + me.waited;
-  }
+  /// with each look, with sleep and where a wait with a time-out is in vain; it is never earlier
+  /// than what another thread saw on it before.
+  std::int64_t time();
 
  private:
-  struct Asked {
-    std::int64_t clock = 0;  ///< so often for the time
-    std::uint64_t random = 0;
-    std::int64_t waited = 0;  ///< nanoseconds that passed while it waited in vain
+  /// The time on a thread's clock after so many events of its own.
+  struct Reading {
+    std::uint16_t moment;
+    std::int64_t time;
   };
+  struct Asked {
+    std::uint64_t random = 0;
+    std::vector<Reading> clock;
+  };
+
+  void pass(std::int64_t nanoseconds);
 
   virtual_cores::Wake wait_alone(std::uintptr_t address, std::uint32_t expected,
                                  std::int64_t nanoseconds, const void* pc);

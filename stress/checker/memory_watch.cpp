@@ -80,6 +80,71 @@ void MemoryWatch::touch(std::uintptr_t address, std::size_t size, bool writes, b
         {pc, state_.heap.find(address)->allocated_at},
         {allocation_of(*state_.heap.find(address)), here(pc, "read", "nothing was written there")});
   }
+  if (!shared) return;
+  if (state_.heap.owns(address)) return check_allocation(address, touch);
+  if (state_.program.own_threads != 0)
+    for (std::uintptr_t at = first; at < end; at += 8) check_frame(at, touch);
+}
+
+// Who knows of the thread's events up to the last allocation knows of all.
+void MemoryWatch::check_allocation(std::uintptr_t address, const Touch& touch) {
+  const unsigned owner = state_.heap.region_of(address);
+  const std::uint16_t known = state_.graph.thread(touch.thread).now.count[owner];
+  if (owner == touch.thread || !state_.limits.races ||
+      known > state_.heap.last_allocation_of(owner))
+    return;
+  const Block* const block = state_.heap.find(address);
+  if (block == nullptr || known > block->allocated_after) return;
+  if (state_.conclusion.knows({FindingKind::data_race, "", {touch.pc, block->allocated_at}}))
+    return;
+  state_.conclusion.report(
+      FindingKind::data_race,
+      "the " + name_of(touch) + " at {0} by thread " + std::to_string(touch.thread) +
+          " is to memory that " + actor(owner, block->allocated_after, state_.threads) +
+          " allocates at {1}, and nothing makes the allocation happen before",
+      {touch.pc, block->allocated_at},
+      {allocation_of(*block), here(touch.pc, name_of(touch), "not ordered after {1}")});
+}
+
+void MemoryWatch::check_frame(std::uintptr_t address, const Touch& touch) {
+  const auto owner = static_cast<unsigned>(state_.owner_of_stack(address));
+  if (owner >= state_.threads || owner == touch.thread) return;
+  const std::uint16_t known = state_.graph.thread(touch.thread).now.count[owner];
+  const std::optional<Frames::Return> over = frames_.touch(owner, address, known);
+  if (!over) return;
+  const std::string by = "thread " + std::to_string(owner);
+  state_.conclusion.report(
+      FindingKind::use_after_return,
+      "the " + name_of(touch) + " at {0} by thread " + std::to_string(touch.thread) +
+          " is to a variable of a function of " + by +
+          ", and nothing makes it happen before that function returns at {1}",
+      {touch.pc, over->pc},
+      {{owner, over->after, over->pc, "returned", "its variables are no more"},
+       here(touch.pc, name_of(touch), "of a variable of the function that returned at {1}")});
+}
+
+void MemoryWatch::leave(std::uintptr_t frame_end, const void* pc) {
+  const unsigned thread = state_.current();
+  const Clock& now = state_.graph.thread(thread).now;
+  while (const auto address = frames_.take_touched(thread, frame_end)) {
+    Cell& cell = state_.heap.cell(*address);
+    for (std::uint32_t number = cell.touches; number != 0;) {
+      const Touch& touch = state_.heap.touch(number);
+      number = touch.next;
+      if (touch.thread == thread || now.count[touch.thread] >= touch.moment) continue;
+      state_.conclusion.report(
+          FindingKind::use_after_return,
+          "the " + name_of(touch) + " at {0} by thread " + std::to_string(touch.thread) +
+              " is to a variable of a function of thread " + std::to_string(thread) +
+              ", and nothing makes it happen before that function returns at {1}",
+          {touch.pc, pc},
+          {moment_of(touch, "not ordered before the return at {1}"),
+           here(pc, "returned", "its variables are no more")});
+    }
+    cell.touches = 0;  // what comes next is another variable
+    cell.toucher = 0;
+  }
+  frames_.leave(thread, {now.count[thread], frame_end, pc});
 }
 
 void MemoryWatch::check_race(const Cell& cell, const Touch& touch) {

@@ -5,20 +5,29 @@
 
 #include "stress/checker/alone.hpp"
 #include "stress/checker/execution_state.hpp"
+#include "stress/checker/frames.hpp"
 
 namespace irt::checker {
 
 class MemoryWatch {
  public:
-  MemoryWatch(ExecutionState& state, Alone& alone) : state_(state), alone_(alone) {}
+  MemoryWatch(ExecutionState& state, Alone& alone)
+      : state_(state), alone_(alone), frames_(state.threads + 1) {}
+
+  /// The next execution begins.
+  void begin() { frames_.begin(); }
 
   /// The thread in progress is about to read or write.
   void touch(std::uintptr_t address, std::size_t size, bool writes, bool atomic, const void* pc);
+  /// It returns from a function of a program: its stack below `frame_end` is no more.
+  void leave(std::uintptr_t frame_end, const void* pc);
   /// It is about to free what begins at `address`, if that can be freed. Returns the block.
   Block& free(std::uintptr_t address, const void* pc);
 
  private:
   void check_race(const Cell& cell, const Touch& touch);
+  void check_allocation(std::uintptr_t address, const Touch& touch);
+  void check_frame(std::uintptr_t address, const Touch& touch);
   [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, bool atomic,
                                     const void* pc);
   void check_users(const Block& block, const void* pc);
@@ -27,6 +36,7 @@ class MemoryWatch {
 
   ExecutionState& state_;
   Alone& alone_;
+  Frames frames_;
 };
 
 }  // namespace irt::checker

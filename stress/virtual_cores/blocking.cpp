@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <semaphore.h>
+#include <string>
 #include <threads.h>
 
 #include "stress/virtual_cores/internal.hpp"
@@ -56,6 +57,14 @@ bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired,
                                    false, seen, desired);
 }
 
+std::uint32_t exchange(std::uint32_t& word, std::uint32_t value, const void* pc) {
+  return static_cast<std::uint32_t>(
+      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Modification::exchange, value));
+}
+
+// What an object holds in a word that it does not need otherwise, once it was destroyed.
+constexpr std::uint32_t destroyed = 0xDE57205E;
+
 // Zeroes an object that the code has made.
 template <class T>
 void clear(T& object, const void* pc) {
@@ -77,7 +86,9 @@ struct Mutex {
 
 Mutex& mutex_of(pthread_mutex_t* mutex, const void* pc) {
   ask(mutex, sizeof *mutex, pc);
-  return *reinterpret_cast<Mutex*>(mutex);
+  auto& known = *reinterpret_cast<Mutex*>(mutex);
+  if (known.kind == destroyed) tenant().failed("a mutex is used that was destroyed", pc);
+  return known;
 }
 
 int lock(Mutex& mutex, std::int64_t nanoseconds, const void* pc) {
@@ -112,10 +123,33 @@ int unlock(Mutex& mutex, const void* pc) {
   return 0;
 }
 
+// Condition variables, rw locks and semaphores: one word that all of it is in, and one that says
+// whether it was destroyed.
+struct Object {
+  std::uint32_t word;
+  std::uint32_t end;
+};
+template <class T>
+Object& object_of(T* object, const char* name, const void* pc) {
+  ask(object, sizeof *object, pc);
+  auto& known = *reinterpret_cast<Object*>(object);
+  if (known.end == destroyed)
+    tenant().failed(std::string(name) + " is used that was destroyed", pc);
+  return known;
+}
+
 // pthread_cond_t: a word that every notification changes.
+Object& condition_of(pthread_cond_t* condition, const void* pc) {
+  return object_of(condition, "a condition variable", pc);
+}
 std::uint32_t& sequence_of(pthread_cond_t* condition, const void* pc) {
-  ask(condition, sizeof *condition, pc);
-  return *reinterpret_cast<std::uint32_t*>(condition);
+  return condition_of(condition, pc).word;
+}
+// Who was woken may still be on its way out of it.
+void condition_destroy(pthread_cond_t* condition, const void* pc) {
+  Object& object = condition_of(condition, pc);
+  add(object.word, 0, pc);
+  object.end = destroyed;
 }
 
 int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanoseconds,
@@ -136,15 +170,19 @@ int condition_notify(pthread_cond_t* condition, unsigned count, const void* pc) 
 
 // pthread_rwlock_t: readers, or all bits for a writer.
 constexpr std::uint32_t writer = ~0U;
+Object& rwlock_of(pthread_rwlock_t* lock, const void* pc) {
+  return object_of(lock, "a read-write lock", pc);
+}
 std::uint32_t& word_of(pthread_rwlock_t* lock, const void* pc) {
-  ask(lock, sizeof *lock, pc);
-  return *reinterpret_cast<std::uint32_t*>(lock);
+  return rwlock_of(lock, pc).word;
 }
 
 // sem_t: the count.
+Object& semaphore_of(sem_t* semaphore, const void* pc) {
+  return object_of(semaphore, "a semaphore", pc);
+}
 std::uint32_t& count_of(sem_t* semaphore, const void* pc) {
-  ask(semaphore, sizeof *semaphore, pc);
-  return *reinterpret_cast<std::uint32_t*>(semaphore);
+  return semaphore_of(semaphore, pc).word;
 }
 
 // Each of these takes what `word` stands for, or returns what it holds instead.
@@ -174,12 +212,19 @@ int take_in_time(std::uint32_t& word, Held (*take)(std::uint32_t&, const void*),
   return 0;
 }
 
-// pthread_barrier_t: who is missing, the round, how many it takes.
+// pthread_barrier_t: who is missing, the round, how many it takes; 0 once it was destroyed.
 struct Barrier {
   std::uint32_t missing;
   std::uint32_t round;
   std::uint32_t total;
 };
+Barrier& barrier_of(pthread_barrier_t* barrier, const void* pc) {
+  ask(barrier, sizeof *barrier, pc);
+  auto& known = *reinterpret_cast<Barrier*>(barrier);
+  if (known.total == 0)
+    tenant().failed("a barrier is used that was destroyed, or never initialised", pc);
+  return known;
+}
 
 // A function-local static's guard: byte 0 says that it is made, the upper half is a lock.
 struct Guard {
@@ -201,7 +246,11 @@ IRT_REDIRECTED int irt_vc_pthread_mutex_init(pthread_mutex_t* m, const pthread_m
   mutex_of(m, IRT_PC).kind = static_cast<std::uint32_t>(type);
   return 0;
 }
-IRT_REDIRECTED int irt_vc_pthread_mutex_destroy(pthread_mutex_t*) {
+IRT_REDIRECTED int irt_vc_pthread_mutex_destroy(pthread_mutex_t* m) {
+  Mutex& mutex = mutex_of(m, IRT_PC);
+  if (exchange(mutex.word, 0, IRT_PC) != 0)
+    tenant().failed("a mutex is destroyed that somebody holds", IRT_PC);
+  mutex.kind = destroyed;
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_mutex_lock(pthread_mutex_t* m) {
@@ -225,7 +274,10 @@ IRT_REDIRECTED int irt_vc_pthread_spin_init(pthread_spinlock_t* s, int) {
   *s = 0;
   return 0;
 }
-IRT_REDIRECTED int irt_vc_pthread_spin_destroy(pthread_spinlock_t*) {
+IRT_REDIRECTED int irt_vc_pthread_spin_destroy(pthread_spinlock_t* s) {
+  if (!tenant().try_lock(address_of(s), IRT_PC))
+    tenant().failed("a spin lock is destroyed that somebody holds", IRT_PC);
+  tenant().unlock(address_of(s), IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_spin_lock(pthread_spinlock_t* s) {
@@ -246,7 +298,8 @@ IRT_REDIRECTED int irt_vc_pthread_cond_init(pthread_cond_t* c, const pthread_con
   clear(*c, IRT_PC);
   return 0;
 }
-IRT_REDIRECTED int irt_vc_pthread_cond_destroy(pthread_cond_t*) {
+IRT_REDIRECTED int irt_vc_pthread_cond_destroy(pthread_cond_t* c) {
+  condition_destroy(c, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_cond_wait(pthread_cond_t* c, pthread_mutex_t* m) {
@@ -270,7 +323,9 @@ IRT_REDIRECTED int irt_vc_pthread_cond_broadcast(pthread_cond_t* c) {
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variableC1Ev(pthread_cond_t* c) {
   clear(*c, IRT_PC);
 }
-IRT_REDIRECTED void irt_vc__ZNSt18condition_variableD1Ev(pthread_cond_t*) {}
+IRT_REDIRECTED void irt_vc__ZNSt18condition_variableD1Ev(pthread_cond_t* c) {
+  condition_destroy(c, IRT_PC);
+}
 IRT_REDIRECTED void irt_vc__ZNSt18condition_variable4waitERSt11unique_lockISt5mutexE(
     pthread_cond_t* c, std::unique_lock<std::mutex>& held) {
   condition_wait(c, mutex_of(held.mutex()->native_handle(), IRT_PC), forever, IRT_PC);
@@ -289,7 +344,10 @@ IRT_REDIRECTED int irt_vc_sem_init(sem_t* s, int, unsigned count) {
   count_of(s, IRT_PC) = count;
   return 0;
 }
-IRT_REDIRECTED int irt_vc_sem_destroy(sem_t*) {
+IRT_REDIRECTED int irt_vc_sem_destroy(sem_t* s) {
+  Object& object = semaphore_of(s, IRT_PC);
+  add(object.word, 0, IRT_PC);
+  object.end = destroyed;
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
@@ -320,7 +378,11 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_init(pthread_rwlock_t* l, const pthread
   clear(*l, IRT_PC);
   return 0;
 }
-IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t*) {
+IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t* l) {
+  Object& object = rwlock_of(l, IRT_PC);
+  if (exchange(object.word, 0, IRT_PC) != 0)
+    tenant().failed("a read-write lock is destroyed that somebody holds", IRT_PC);
+  object.end = destroyed;
   return 0;
 }
 #define IRT_TAKE(kind, take)                                                                 \
@@ -357,12 +419,15 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_init(pthread_barrier_t* b, const pthre
   *reinterpret_cast<Barrier*>(b) = {count, 0, count};
   return 0;
 }
-IRT_REDIRECTED int irt_vc_pthread_barrier_destroy(pthread_barrier_t*) {
+IRT_REDIRECTED int irt_vc_pthread_barrier_destroy(pthread_barrier_t* b) {
+  Barrier& barrier = barrier_of(b, IRT_PC);
+  if (exchange(barrier.missing, barrier.total, IRT_PC) != barrier.total)
+    tenant().failed("a barrier is destroyed that somebody waits at", IRT_PC);
+  barrier.total = 0;
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
-  ask(b, sizeof *b, IRT_PC);
-  Barrier& barrier = *reinterpret_cast<Barrier*>(b);
+  Barrier& barrier = barrier_of(b, IRT_PC);
   const std::uint32_t round = load(barrier.round, IRT_PC);
   if (add(barrier.missing, ~0U, IRT_PC) == 1) {
     store(barrier.missing, barrier.total, IRT_PC);

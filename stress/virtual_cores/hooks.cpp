@@ -83,7 +83,11 @@ IRT_HOOK __tsan_func_entry(void* call_site) {
   active->enter_function(call_site);
 }
 IRT_HOOK __tsan_func_exit() {
-  active->leave_function();
+  // Of the function that returns: its frame pointer, below which it has the caller's and above
+  // which is where it returns to.
+  constexpr std::uintptr_t pointer_and_return = 16;
+  active->leave_function(
+      reinterpret_cast<std::uintptr_t>(__builtin_frame_address(1)) + pointer_and_return, IRT_PC);
 }
 IRT_HOOK __tsan_init() {}
 IRT_HOOK __tsan_acquire(void*) {}

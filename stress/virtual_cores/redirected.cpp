@@ -2,6 +2,7 @@
 // it. Memory goes to the tenant's heap, time and chance are the tenant's. What works on bytes is in
 // strings.cpp, what sleeps in blocking.cpp, what is the kernel's in kernel.cpp.
 
+#include <bit>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
@@ -24,6 +25,7 @@ using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::nanoseconds_of;
+using irt::virtual_cores::set_errno;
 
 #define IRT_PC __builtin_return_address(0)
 
@@ -69,15 +71,22 @@ IRT_REDIRECTED void* irt_vc_realloc(void* block, std::size_t size) {
   active->release(block, IRT_PC);
   return grown;
 }
+// C17 and POSIX refuse an alignment that is no power of two; memalign takes the next one.
 IRT_REDIRECTED void* irt_vc_aligned_alloc(std::size_t alignment, std::size_t size) {
-  return active->allocate(size, alignment, IRT_PC);
+  if (std::has_single_bit(alignment)) return active->allocate(size, alignment, IRT_PC);
+  set_errno(EINVAL);
+  return nullptr;
 }
 IRT_REDIRECTED void* irt_vc_memalign(std::size_t alignment, std::size_t size) {
-  return active->allocate(size, alignment, IRT_PC);
+  return active->allocate(size, std::bit_ceil(alignment), IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_posix_memalign(void** result, std::size_t alignment, std::size_t size) {
-  *result = active->allocate(size, alignment, IRT_PC);
-  return *result == nullptr ? ENOMEM : 0;
+  if (!std::has_single_bit(alignment) || alignment % sizeof(void*) != 0) return EINVAL;
+  void* const block = active->allocate(size, alignment, IRT_PC);
+  if (block == nullptr) return ENOMEM;
+  announce_write(result, sizeof *result, IRT_PC);
+  *result = block;
+  return 0;
 }
 
 // operator new and delete, by their mangled names.

@@ -150,7 +150,7 @@ Process* Tenant::process() {
   return nullptr;
 }
 void Tenant::enter_function(const void*) {}
-void Tenant::leave_function() {}
+void Tenant::leave_function(std::uintptr_t, const void*) {}
 unsigned Tenant::finished(unsigned) {
   return host;
 }

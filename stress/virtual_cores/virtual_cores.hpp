@@ -144,7 +144,8 @@ class Tenant {
 
   // Control flow.
   virtual void enter_function(const void* call_site);
-  virtual void leave_function();
+  /// The core in progress returns to its caller: what is below `frame_end` on its stack is no more.
+  virtual void leave_function(std::uintptr_t frame_end, const void* pc);
   /// A core came to the end of its entry function. Returns who goes on, or `host`.
   virtual unsigned finished(unsigned core);
   /// The code cannot go on: an uncaught exception, abort(), a failed assertion, an unsupported

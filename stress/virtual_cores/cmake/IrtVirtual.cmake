@@ -55,7 +55,9 @@ function(irt_virtual_module name)
     set(unannounced UNANNOUNCED)
   endif()
   irt_virtual_options(${name}_objects ${unannounced})
-  target_compile_options(${name}_objects PRIVATE ${ARG_OPTIONS})
+  # The end of a function's frame is found by its frame pointer, whatever the options say.
+  target_compile_options(${name}_objects PRIVATE ${ARG_OPTIONS} -fno-omit-frame-pointer
+    -fno-optimize-sibling-calls)
   get_target_property(redirections irt_virtual_cores IRT_REDIRECTIONS)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.so)
   if(ARG_OUTPUT)
