@@ -83,11 +83,11 @@ IRT_HOOK __tsan_func_entry(void* call_site) {
   active->enter_function(call_site);
 }
 IRT_HOOK __tsan_func_exit() {
-  // Of the function that returns: its frame pointer, below which it has the caller's and above
-  // which is where it returns to.
+  // The frame pointer of the function that returns is where this one's points to; above it is the
+  // address that it returns to.
   constexpr std::uintptr_t pointer_and_return = 16;
-  active->leave_function(
-      reinterpret_cast<std::uintptr_t>(__builtin_frame_address(1)) + pointer_and_return, IRT_PC);
+  const auto* const frame = static_cast<const std::uintptr_t*>(__builtin_frame_address(0));
+  active->leave_function(*frame + pointer_and_return, IRT_PC);
 }
 IRT_HOOK __tsan_init() {}
 IRT_HOOK __tsan_acquire(void*) {}
