@@ -1,6 +1,7 @@
 #include "stress/checker/allocations.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@ namespace irt::checker {
 
 void* Allocations::allocate(std::size_t size, std::size_t alignment, const void* pc) {
   ++state_.beats;
+  if (size > std::size_t{PTRDIFF_MAX}) return nullptr;  // as malloc does, whatever memory there is
   if (state_.phase != Phase::ageing) {
     alone_.move_on(pc);
     alone_.forget();

@@ -78,8 +78,8 @@ void* Heap::allocate(unsigned thread, std::size_t size, std::size_t alignment, c
   Region& region = regions_[thread];
   alignment = std::max<std::size_t>(alignment, 16);
   const std::uintptr_t address = (region.next + alignment - 1) / alignment * alignment;
-  const std::size_t end = (address - base_) - thread * region_bytes + size + gap_bytes;
-  if (end > region_bytes) return nullptr;
+  const std::size_t begin = (address - base_) - thread * region_bytes;
+  if (size > region_bytes || begin + size + gap_bytes > region_bytes) return nullptr;
   region.next = address + size + gap_bytes;
   blocks_.push_back({address, size, pc, nullptr, static_cast<std::uint8_t>(thread), 0, false});
   region.blocks.push_back(static_cast<std::uint32_t>(blocks_.size()));

@@ -48,6 +48,7 @@ bool is_at(const Place& place, const siginfo_t& info) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): code is known by its address here
   const bool known = dladdr(reinterpret_cast<const void*>(pc), &object) != 0;
   const auto base = known ? reinterpret_cast<std::uintptr_t>(object.dli_fbase) : 0;
+  dup2(refusals_to, 2);
   fmt::print(stderr,
              "irt: a crash in {} at {:#x}, outside of the code that is looked at: nothing is said "
              "about that code. --shape, --seed or --strategy may lead past it; the line above is "

@@ -14,6 +14,7 @@
 namespace {
 
 using irt::virtual_cores::active;
+using irt::virtual_cores::address_of;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::end_core;
@@ -29,8 +30,9 @@ struct Thread {
   int (*c11_routine)(void*) = nullptr;  ///< ... C11's
   void* argument = nullptr;
   void* result = nullptr;
-  bool exits = false;     ///< pthread_exit was called
-  bool joinable = false;  ///< neither joined nor detached
+  bool exits = false;             ///< pthread_exit was called, ...
+  const void* exit_pc = nullptr;  ///< ... there
+  bool joinable = false;          ///< neither joined nor detached
 };
 
 // By core; the cores that a program has not begun are not joinable.
@@ -57,7 +59,9 @@ void run_thread(Work work) {
     work();
     if (thread_of(core).exits)
       active->failed("pthread_exit() was caught by `catch (...)` and not thrown again", nullptr);
-  } catch (const ThreadExit&) {  // NOLINT(bugprone-empty-catch): it has come out
+  } catch (const ThreadExit&) {
+    // Functions in C are left without a word.
+    active->leave_function(address_of(__builtin_frame_address(0)), thread_of(core).exit_pc);
   }
   run_thread_exits(core);
 }
@@ -102,11 +106,12 @@ int detach(pthread_t thread) {
   return std::exchange(threads[core].joinable, false) ? 0 : EINVAL;
 }
 
-[[noreturn]] void end_thread(void* result) {
+[[noreturn]] void end_thread(void* result, const void* pc) {
   process();  // there is one
   Thread& me = thread_of(current_core);
   me.result = result;
   me.exits = true;
+  me.exit_pc = pc;
   throw ThreadExit();
 }
 
@@ -132,7 +137,7 @@ IRT_REDIRECTED int irt_vc_pthread_detach(pthread_t thread) {
   return detach(thread);
 }
 IRT_REDIRECTED void irt_vc_pthread_exit(void* result) {
-  end_thread(result);
+  end_thread(result, IRT_PC);
 }
 IRT_REDIRECTED pthread_t irt_vc_pthread_self() {
   return current_core + pthread_t{1};
@@ -155,7 +160,7 @@ IRT_REDIRECTED int irt_vc_thrd_detach(thrd_t thread) {
   return in_c11(detach(thread));
 }
 IRT_REDIRECTED void irt_vc_thrd_exit(int result) {
-  end_thread(pointer_to(result));
+  end_thread(pointer_to(result), IRT_PC);
 }
 
 // What programs that are written for verifiers call: only executions in which it holds matter.
