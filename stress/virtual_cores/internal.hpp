@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <ctime>
 #include <ucontext.h>
@@ -43,6 +44,7 @@ inline std::uintptr_t address_of(const volatile void* pointer) {
 }
 inline void ask(const volatile void* place, std::size_t size, const void* pc) {
   asked.note({address_of(place), size, pc});
+  std::atomic_signal_fence(std::memory_order_seq_cst);  // noted before it can fault
 }
 /// Announces a plain access that the code at `pc` makes, by itself or through the runtime.
 inline void announce_read(const volatile void* place, std::size_t size, const void* pc) {

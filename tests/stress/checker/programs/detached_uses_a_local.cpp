@@ -1,4 +1,4 @@
-// finds: data race
+// finds: use after return | data race
 #include <atomic>
 #include <thread>
 

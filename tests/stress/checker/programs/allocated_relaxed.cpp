@@ -1,0 +1,23 @@
+// finds: data race
+// all accesses to the node are atomic, but nothing makes its allocation happen before them
+#include <atomic>
+#include <cstdlib>
+#include <thread>
+
+struct Node {
+  std::atomic<int> value;
+};
+std::atomic<Node*> published;
+
+int main() {
+  std::thread reader([] {
+    if (Node* node = published.load(std::memory_order_relaxed))
+      node->value.store(2, std::memory_order_relaxed);
+  });
+  auto* node = static_cast<Node*>(std::malloc(sizeof(Node)));
+  node->value.store(1, std::memory_order_relaxed);
+  published.store(node, std::memory_order_relaxed);
+  reader.join();
+  std::free(node);
+  return 0;
+}
