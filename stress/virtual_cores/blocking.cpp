@@ -86,9 +86,12 @@ struct Mutex {
 
 Mutex& mutex_of(pthread_mutex_t* mutex, const void* pc) {
   ask(mutex, sizeof *mutex, pc);
-  auto& known = *reinterpret_cast<Mutex*>(mutex);
-  if (known.kind == destroyed) tenant().failed("a mutex is used that was destroyed", pc);
-  return known;
+  return *reinterpret_cast<Mutex*>(mutex);
+}
+
+// Of this and the like: asked after the event that comes after the destruction or before it.
+void expect(const Mutex& mutex, const void* pc) {
+  if (mutex.kind == destroyed) tenant().failed("a mutex is used that was destroyed", pc);
 }
 
 int lock(Mutex& mutex, std::int64_t nanoseconds, const void* pc) {
@@ -96,7 +99,9 @@ int lock(Mutex& mutex, std::int64_t nanoseconds, const void* pc) {
     ++mutex.depth;
     return 0;
   }
-  if (!tenant().lock(mutex.address(), nanoseconds, pc)) return ETIMEDOUT;
+  const bool locked = tenant().lock(mutex.address(), nanoseconds, pc);
+  expect(mutex, pc);
+  if (!locked) return ETIMEDOUT;
   mutex.owner = current_core + 1;
   return 0;
 }
@@ -106,7 +111,9 @@ int try_lock(Mutex& mutex, const void* pc) {
     ++mutex.depth;
     return 0;
   }
-  if (!tenant().try_lock(mutex.address(), pc)) return EBUSY;
+  const bool locked = tenant().try_lock(mutex.address(), pc);
+  expect(mutex, pc);
+  if (!locked) return EBUSY;
   mutex.owner = current_core + 1;
   return 0;
 }
@@ -130,84 +137,84 @@ struct Object {
   std::uint32_t end;
 };
 template <class T>
-Object& object_of(T* object, const char* name, const void* pc) {
+Object& object_of(T* object, const void* pc) {
   ask(object, sizeof *object, pc);
-  auto& known = *reinterpret_cast<Object*>(object);
-  if (known.end == destroyed)
+  return *reinterpret_cast<Object*>(object);
+}
+void expect(const Object& object, const char* name, const void* pc) {
+  if (object.end == destroyed)
     tenant().failed(std::string(name) + " is used that was destroyed", pc);
-  return known;
+}
+void destroy(Object& object, const char* name, const void* pc) {
+  expect(object, name, pc);
+  object.end = destroyed;
 }
 
 // pthread_cond_t: a word that every notification changes.
-Object& condition_of(pthread_cond_t* condition, const void* pc) {
-  return object_of(condition, "a condition variable", pc);
-}
-std::uint32_t& sequence_of(pthread_cond_t* condition, const void* pc) {
-  return condition_of(condition, pc).word;
-}
+constexpr const char* condition_name = "a condition variable";
 // Who was woken may still be on its way out of it.
 void condition_destroy(pthread_cond_t* condition, const void* pc) {
-  Object& object = condition_of(condition, pc);
+  Object& object = object_of(condition, pc);
   add(object.word, 0, pc);
-  object.end = destroyed;
+  destroy(object, condition_name, pc);
 }
 
 int condition_wait(pthread_cond_t* condition, Mutex& mutex, std::int64_t nanoseconds,
                    const void* pc) {
-  std::uint32_t& sequence = sequence_of(condition, pc);
-  const std::uint32_t seen = load(sequence, pc);
+  Object& object = object_of(condition, pc);
+  const std::uint32_t seen = load(object.word, pc);
+  expect(object, condition_name, pc);
   unlock(mutex, pc);
-  const Wake wake = tenant().wait(address_of(&sequence), seen, nanoseconds, pc);
+  const Wake wake = tenant().wait(address_of(&object.word), seen, nanoseconds, pc);
   lock(mutex, forever, pc);
   return wake == Wake::timed_out ? ETIMEDOUT : 0;
 }
 
 int condition_notify(pthread_cond_t* condition, unsigned count, const void* pc) {
-  add(sequence_of(condition, pc), 1, pc);
+  Object& object = object_of(condition, pc);
+  add(object.word, 1, pc);
+  expect(object, condition_name, pc);
   tenant().wake(address_of(condition), count, pc);
   return 0;
 }
 
 // pthread_rwlock_t: readers, or all bits for a writer.
 constexpr std::uint32_t writer = ~0U;
-Object& rwlock_of(pthread_rwlock_t* lock, const void* pc) {
-  return object_of(lock, "a read-write lock", pc);
-}
-std::uint32_t& word_of(pthread_rwlock_t* lock, const void* pc) {
-  return rwlock_of(lock, pc).word;
-}
+constexpr const char* rwlock_name = "a read-write lock";
 
 // sem_t: the count.
-Object& semaphore_of(sem_t* semaphore, const void* pc) {
-  return object_of(semaphore, "a semaphore", pc);
-}
-std::uint32_t& count_of(sem_t* semaphore, const void* pc) {
-  return semaphore_of(semaphore, pc).word;
-}
+constexpr const char* semaphore_name = "a semaphore";
 
 // Each of these takes what `word` stands for, or returns what it holds instead.
 using Held = std::optional<std::uint32_t>;
-Held take_one(std::uint32_t& count, const void* pc) {
+Held take_one(Object& semaphore, const void* pc) {
+  std::uint32_t& count = semaphore.word;
   for (std::uint32_t seen = load(count, pc); seen != 0; seen = load(count, pc))
     if (swap_if(count, seen, seen - 1, pc)) return {};
+  expect(semaphore, semaphore_name, pc);
   return 0;
 }
-Held take_to_read(std::uint32_t& word, const void* pc) {
+Held take_to_read(Object& lock, const void* pc) {
+  std::uint32_t& word = lock.word;
   for (std::uint32_t seen = load(word, pc); seen != writer; seen = load(word, pc))
-    if (swap_if(word, seen, seen + 1, pc)) return {};
+    if (swap_if(word, seen, seen + 1, pc)) {
+      expect(lock, rwlock_name, pc);
+      return {};
+    }
   return writer;
 }
-Held take_to_write(std::uint32_t& word, const void* pc) {
-  while (!swap_if(word, 0, writer, pc))
-    if (const std::uint32_t seen = load(word, pc); seen != 0) return seen;
+Held take_to_write(Object& lock, const void* pc) {
+  while (!swap_if(lock.word, 0, writer, pc))
+    if (const std::uint32_t seen = load(lock.word, pc); seen != 0) return seen;
+  expect(lock, rwlock_name, pc);
   return {};
 }
 
-// Sleeps at `word` until it is taken, or until the deadline if there is one.
-int take_in_time(std::uint32_t& word, Held (*take)(std::uint32_t&, const void*),
-                 const timespec* deadline, const void* pc) {
-  while (const Held held = take(word, pc))
-    if (tenant().wait(address_of(&word), *held, until(deadline), pc) == Wake::timed_out)
+// Sleeps at `object` until it is taken, or until the deadline if there is one.
+int take_in_time(Object& object, Held (*take)(Object&, const void*), const timespec* deadline,
+                 const void* pc) {
+  while (const Held held = take(object, pc))
+    if (tenant().wait(address_of(&object.word), *held, until(deadline), pc) == Wake::timed_out)
       return ETIMEDOUT;
   return 0;
 }
@@ -220,10 +227,11 @@ struct Barrier {
 };
 Barrier& barrier_of(pthread_barrier_t* barrier, const void* pc) {
   ask(barrier, sizeof *barrier, pc);
-  auto& known = *reinterpret_cast<Barrier*>(barrier);
-  if (known.total == 0)
+  return *reinterpret_cast<Barrier*>(barrier);
+}
+void expect(const Barrier& barrier, const void* pc) {
+  if (barrier.total == 0)
     tenant().failed("a barrier is used that was destroyed, or never initialised", pc);
-  return known;
 }
 
 // A function-local static's guard: byte 0 says that it is made, the upper half is a lock.
@@ -250,6 +258,7 @@ IRT_REDIRECTED int irt_vc_pthread_mutex_destroy(pthread_mutex_t* m) {
   Mutex& mutex = mutex_of(m, IRT_PC);
   if (exchange(mutex.word, 0, IRT_PC) != 0)
     tenant().failed("a mutex is destroyed that somebody holds", IRT_PC);
+  expect(mutex, IRT_PC);
   mutex.kind = destroyed;
   return 0;
 }
@@ -341,34 +350,36 @@ IRT_REDIRECTED void irt_vc__ZNSt18condition_variable10notify_allEv(pthread_cond_
 
 IRT_REDIRECTED int irt_vc_sem_init(sem_t* s, int, unsigned count) {
   clear(*s, IRT_PC);
-  count_of(s, IRT_PC) = count;
+  object_of(s, IRT_PC).word = count;
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_destroy(sem_t* s) {
-  Object& object = semaphore_of(s, IRT_PC);
+  Object& object = object_of(s, IRT_PC);
   add(object.word, 0, IRT_PC);
-  object.end = destroyed;
+  destroy(object, semaphore_name, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
-  add(count_of(s, IRT_PC), 1, IRT_PC);
+  Object& object = object_of(s, IRT_PC);
+  add(object.word, 1, IRT_PC);
+  expect(object, semaphore_name, IRT_PC);
   tenant().wake(address_of(s), 1, IRT_PC);
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_wait(sem_t* s) {
-  return take_in_time(count_of(s, IRT_PC), take_one, nullptr, IRT_PC);
+  return take_in_time(object_of(s, IRT_PC), take_one, nullptr, IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_sem_timedwait(sem_t* s, const timespec* deadline) {
-  return set_errno(take_in_time(count_of(s, IRT_PC), take_one, deadline, IRT_PC));
+  return set_errno(take_in_time(object_of(s, IRT_PC), take_one, deadline, IRT_PC));
 }
 IRT_REDIRECTED int irt_vc_sem_clockwait(sem_t* s, clockid_t, const timespec* deadline) {
-  return set_errno(take_in_time(count_of(s, IRT_PC), take_one, deadline, IRT_PC));
+  return set_errno(take_in_time(object_of(s, IRT_PC), take_one, deadline, IRT_PC));
 }
 IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
-  return set_errno(take_one(count_of(s, IRT_PC), IRT_PC) ? EAGAIN : 0);
+  return set_errno(take_one(object_of(s, IRT_PC), IRT_PC) ? EAGAIN : 0);
 }
 IRT_REDIRECTED int irt_vc_sem_getvalue(sem_t* s, int* value) {
-  const std::uint32_t count = load(count_of(s, IRT_PC), IRT_PC);
+  const std::uint32_t count = load(object_of(s, IRT_PC).word, IRT_PC);
   announce_write(value, sizeof *value, IRT_PC);
   *value = static_cast<int>(count);
   return 0;
@@ -379,36 +390,38 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_init(pthread_rwlock_t* l, const pthread
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t* l) {
-  Object& object = rwlock_of(l, IRT_PC);
+  Object& object = object_of(l, IRT_PC);
   if (exchange(object.word, 0, IRT_PC) != 0)
     tenant().failed("a read-write lock is destroyed that somebody holds", IRT_PC);
-  object.end = destroyed;
+  destroy(object, rwlock_name, IRT_PC);
   return 0;
 }
 #define IRT_TAKE(kind, take)                                                                 \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_try##kind##lock(pthread_rwlock_t* l) {            \
-    return take(word_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;                                     \
+    return take(object_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;                                   \
   }                                                                                          \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_##kind##lock(pthread_rwlock_t* l) {               \
-    return take_in_time(word_of(l, IRT_PC), take, nullptr, IRT_PC);                          \
+    return take_in_time(object_of(l, IRT_PC), take, nullptr, IRT_PC);                        \
   }                                                                                          \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_timed##kind##lock(pthread_rwlock_t* l,            \
                                                              const timespec* deadline) {     \
-    return take_in_time(word_of(l, IRT_PC), take, deadline, IRT_PC);                         \
+    return take_in_time(object_of(l, IRT_PC), take, deadline, IRT_PC);                       \
   }                                                                                          \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_clock##kind##lock(pthread_rwlock_t* l, clockid_t, \
                                                              const timespec* deadline) {     \
-    return take_in_time(word_of(l, IRT_PC), take, deadline, IRT_PC);                         \
+    return take_in_time(object_of(l, IRT_PC), take, deadline, IRT_PC);                       \
   }
 IRT_TAKE(rd, take_to_read)
 IRT_TAKE(wr, take_to_write)
 #undef IRT_TAKE
 IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
-  const std::uint32_t seen = load(word_of(l, IRT_PC), IRT_PC);
+  std::uint32_t& word = object_of(l, IRT_PC).word;
+  const std::uint32_t seen = load(word, IRT_PC);
+  if (seen == 0) tenant().failed("a read-write lock is unlocked that nobody holds", IRT_PC);
   if (seen == writer)
-    store(word_of(l, IRT_PC), 0, IRT_PC);
+    store(word, 0, IRT_PC);
   else
-    add(word_of(l, IRT_PC), ~0U, IRT_PC);
+    add(word, ~0U, IRT_PC);
   tenant().wake(address_of(l), everybody, IRT_PC);
   return 0;
 }
@@ -423,13 +436,16 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_destroy(pthread_barrier_t* b) {
   Barrier& barrier = barrier_of(b, IRT_PC);
   if (exchange(barrier.missing, barrier.total, IRT_PC) != barrier.total)
     tenant().failed("a barrier is destroyed that somebody waits at", IRT_PC);
+  expect(barrier, IRT_PC);
   barrier.total = 0;
   return 0;
 }
 IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
   Barrier& barrier = barrier_of(b, IRT_PC);
   const std::uint32_t round = load(barrier.round, IRT_PC);
-  if (add(barrier.missing, ~0U, IRT_PC) == 1) {
+  const std::uint32_t missing = add(barrier.missing, ~0U, IRT_PC);
+  expect(barrier, IRT_PC);
+  if (missing == 1) {
     store(barrier.missing, barrier.total, IRT_PC);
     add(barrier.round, 1, IRT_PC);
     tenant().wake(address_of(&barrier.round), everybody, IRT_PC);
