@@ -98,7 +98,8 @@ function(irt_virtual_module name)
   set(renamed ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
   add_custom_command(OUTPUT ${file}
     COMMAND ${CMAKE_LINKER} -r -o ${merged} $<TARGET_OBJECTS:${name}_objects>
-    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main ${apart}
+    COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main
+      --redefine-sym main.cold=irt_main.cold ${apart}
             ${merged} ${renamed}
     COMMAND ${CMAKE_CXX_COMPILER} -shared -o ${file} ${renamed}
             -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic-functions -Wl,--version-script=${exports} ${wanted}
