@@ -1,5 +1,7 @@
 #include "stress/checker/alone.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <fmt/format.h>
 
 namespace irt::checker {
@@ -19,12 +21,17 @@ void Alone::begin() {
 void Alone::walk(std::uintptr_t address, std::size_t size, bool writes, bool atomic,
                  const void* pc) {
   constexpr std::uint64_t longest_walk = 200'000'000;
-  if (state_.walk <= long_walk) return;
-  if (state_.walk == long_walk + 1) start_looking();
+  constexpr std::uint64_t shortest_look = 1U << 16U;
   if (state_.walk > longest_walk)
     state_.conclusion.give_up(
         fmt::format("an execution makes more than {} accesses between two steps", longest_walk));
   state_.conclusion.check_time();
+  const std::uint64_t walked = state_.walk - long_walk;
+  // One part in eight of the way to twice the length, so that work is not slowed down much, and the
+  // longest loop is met at last.
+  const std::uint64_t power = std::bit_floor(std::max(walked, shortest_look));
+  if (walked == 1 || walked == power) start_looking();
+  if (walked >= shortest_look && walked - power >= power / 8) return;
   if (writes) {
     if (!state_.on_own_stack(address)) watch_.note_write(address, size);
     return;

@@ -51,6 +51,10 @@ struct Cell {
   std::uint8_t replaced = 0;  ///< bytes that a plain write changed after the location's stores
   std::uint8_t usable = 0;    ///< bytes inside a block that is not freed, or outside of the heap
   std::uint8_t toucher = 0;   ///< the only thread that touched it, plus one; 0: none
+  // What it has touched at one moment and need not be noted again.
+  std::uint16_t moment = 0;
+  std::uint8_t read = 0;     ///< bytes
+  std::uint8_t written = 0;  ///< likewise
 };
 
 class Heap {

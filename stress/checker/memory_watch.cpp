@@ -52,9 +52,9 @@ void MemoryWatch::touch(std::uintptr_t address, std::size_t size, bool writes, b
     if ((bytes & ~cell.usable) != 0) report_unusable(at, writes, atomic, pc);
     if (shared) {
       touch.bytes = static_cast<std::uint8_t>(bytes);
-      if (cell.toucher != thread + 1 && cell.toucher != 0 && state_.limits.races)
-        check_race(cell, touch);
-      state_.heap.add_touch(cell, touch);
+      const bool again = cell.toucher == thread + 1 && cell.moment == touch.moment && !atomic &&
+                         (bytes & ~(writes ? cell.written : cell.read)) == 0;
+      if (!again) note_touch(cell, touch);
     }
     const bool initialised = (cell.initialised & bytes) != 0;
     if (writes) {
@@ -81,7 +81,10 @@ void MemoryWatch::touch(std::uintptr_t address, std::size_t size, bool writes, b
         {allocation_of(*state_.heap.find(address)), here(pc, "read", "nothing was written there")});
   }
   if (!shared) return;
-  if (state_.heap.owns(address)) return check_allocation(address, touch);
+  if (const unsigned owner = state_.heap.region_of(address); owner != Heap::no_region) {
+    if (owner != thread && state_.limits.races) check_allocation(address, touch);
+    return;
+  }
   if (state_.program.own_threads != 0)
     for (std::uintptr_t at = first; at < end; at += 8) check_frame(at, touch);
 }
@@ -90,9 +93,7 @@ void MemoryWatch::touch(std::uintptr_t address, std::size_t size, bool writes, b
 void MemoryWatch::check_allocation(std::uintptr_t address, const Touch& touch) {
   const unsigned owner = state_.heap.region_of(address);
   const std::uint16_t known = state_.graph.thread(touch.thread).now.count[owner];
-  if (owner == touch.thread || !state_.limits.races ||
-      known > state_.heap.last_allocation_of(owner))
-    return;
+  if (known > state_.heap.last_allocation_of(owner)) return;
   const Block* const block = state_.heap.find(address);
   if (block == nullptr || known > block->allocated_after) return;
   if (state_.conclusion.knows({FindingKind::data_race, "", {touch.pc, block->allocated_at}}))
@@ -142,9 +143,20 @@ void MemoryWatch::leave(std::uintptr_t frame_end, const void* pc) {
            here(pc, "returned", "its variables are no more")});
     }
     cell.touches = 0;  // what comes next is another variable
-    cell.toucher = 0;
+    cell.toucher = cell.read = cell.written = 0;
   }
   frames_.leave(thread, {now.count[thread], frame_end, pc});
+}
+
+void MemoryWatch::note_touch(Cell& cell, const Touch& touch) {
+  const unsigned toucher = touch.thread + 1U;
+  if (cell.toucher != toucher && cell.toucher != 0 && state_.limits.races) check_race(cell, touch);
+  state_.heap.add_touch(cell, touch);
+  if (touch.atomic) return;
+  if (cell.moment != touch.moment) cell.read = cell.written = 0;
+  cell.moment = touch.moment;
+  std::uint8_t& bytes = touch.writes ? cell.written : cell.read;
+  bytes = static_cast<std::uint8_t>(bytes | touch.bytes);
 }
 
 void MemoryWatch::check_race(const Cell& cell, const Touch& touch) {

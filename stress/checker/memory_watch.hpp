@@ -25,6 +25,7 @@ class MemoryWatch {
   Block& free(std::uintptr_t address, const void* pc);
 
  private:
+  void note_touch(Cell& cell, const Touch& touch);
   void check_race(const Cell& cell, const Touch& touch);
   void check_allocation(std::uintptr_t address, const Touch& touch);
   void check_frame(std::uintptr_t address, const Touch& touch);
