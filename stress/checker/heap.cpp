@@ -121,14 +121,17 @@ Block* Heap::find(std::uintptr_t address) {
   return after == numbers.begin() ? nullptr : &block(*std::prev(after));
 }
 
-Cell& Heap::fresh_cell(std::uintptr_t address) {
-  const bool mine = owns(address);  // then outside of every block
-  Cell& cell = mine ? cells_[(address - base_) / 8] : other_cells_[address / 8];
-  if (cell.generation == generation_) return cell;
+Heap::Page Heap::find_page(std::uintptr_t number) {
+  std::unique_ptr<Cell[]>& cells = other_cells_[number];
+  if (cells == nullptr) cells = std::make_unique<Cell[]>(page_bytes / 8);
+  return {number, cells.get()};
+}
+
+// Memory of the heap that nothing is known of is outside of every block.
+void Heap::begin_cell(Cell& cell, bool mine) const {
   cell = Cell{};
   cell.generation = generation_;
   if (!mine) cell.initialised = cell.usable = 0xFF;
-  return cell;
 }
 
 void Heap::add_touch(Cell& cell, const Touch& touch) {

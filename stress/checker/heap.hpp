@@ -6,7 +6,9 @@
 /// size that it freed last.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -110,8 +112,10 @@ class Heap {
   Block* find(std::uintptr_t address);
   /// What is known about the eight bytes at `address` / 8 * 8.
   Cell& cell(std::uintptr_t address) {
-    Cell* const known = known_cell(address);
-    return known != nullptr ? *known : fresh_cell(address);
+    const bool mine = owns(address);
+    Cell& cell = mine ? cells_[(address - base_) / 8] : other_cell(address);
+    if (cell.generation != generation_) begin_cell(cell, mine);
+    return cell;
   }
   /// The same for memory of the heap, or null if nothing is known.
   Cell* known_cell(std::uintptr_t address) {
@@ -137,11 +141,26 @@ class Heap {
     std::vector<std::uint32_t> freed;   ///< in the order in which they were freed
   };
 
+  /// Of memory outside of the heap, globals, stacks and thread_locals, with its cells.
+  static constexpr std::uintptr_t page_bytes = 4096;
+  struct Page {
+    std::uintptr_t number = 0;
+    Cell* cells = nullptr;
+  };
+  Page find_page(std::uintptr_t number);
+
   Block& block(std::uint32_t number) { return blocks_[number - 1]; }
   /// Its place among what the thread has freed; behind the last if there is none.
   [[nodiscard]] std::size_t last_freed(unsigned thread, std::size_t size,
                                        std::size_t alignment) const;
-  Cell& fresh_cell(std::uintptr_t address);
+  /// Of memory outside of the heap.
+  Cell& other_cell(std::uintptr_t address) {
+    const std::uintptr_t number = address / page_bytes;
+    Page& page = pages_[number % pages_.size()];
+    if (page.number != number) page = find_page(number);
+    return page.cells[address % page_bytes / 8];
+  }
+  void begin_cell(Cell& cell, bool mine) const;
   void begin_cells(const Block& block);
 
   std::uintptr_t base_ = 0;
@@ -149,7 +168,8 @@ class Heap {
   std::vector<Region> regions_;
   std::vector<Block> blocks_;
   Cell* cells_ = nullptr;                                 ///< of the heap, one per eight bytes
-  std::unordered_map<std::uintptr_t, Cell> other_cells_;  ///< of globals, stacks, thread-locals
+  std::unordered_map<std::uintptr_t, std::unique_ptr<Cell[]>> other_cells_;  ///< by page
+  std::array<Page, 64> pages_{};  ///< of these, those used last
   std::vector<Touch> touches_;
   std::uint32_t generation_ = 1;
 };
