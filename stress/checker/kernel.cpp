@@ -1,6 +1,7 @@
 #include "stress/checker/kernel.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 #include "queues/split_mix.hpp"
 
@@ -16,6 +17,9 @@ namespace {
 std::uintptr_t sleepers_of(std::uintptr_t address) {
   return address << 4U | made_up;
 }
+
+// Below are the other objects that no program has; no futex is at so low an address.
+constexpr std::uintptr_t lowest_sleepers = made_up | 0x10000U;
 
 // What S and W of a shape write and read.
 constexpr std::uintptr_t signal_address = made_up | 64U;
@@ -53,6 +57,20 @@ unsigned sleeper_count(Value sleepers) {
 }
 
 }  // namespace
+
+std::string Kernel::what_is(std::uintptr_t address, const Event& event) {
+  if (address < lowest_sleepers) return "";
+  const bool before = is_sleeper(event.read, event.thread);
+  if (!event.writes) return before ? "sleeps" : "wakes up";
+  if (is_sleeper(event.written, event.thread)) return "goes to sleep";
+  if (before) return "does not sleep";
+  std::string woken;
+  for (Value sleepers = event.read; sleepers != 0; sleepers >>= 8) {
+    const auto thread = static_cast<unsigned>(sleepers & 0xFF) - 1;
+    if (!is_sleeper(event.written, thread)) woken += fmt::format(" thread {},", thread);
+  }
+  return woken.empty() ? "wakes nobody" : "wakes" + woken.substr(0, woken.size() - 1);
+}
 
 bool Kernel::times_out(std::int64_t nanoseconds, const void* pc) {
   if (!loops_.times_out(pc)) return false;

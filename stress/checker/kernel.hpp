@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "stress/checker/accesses.hpp"
@@ -42,6 +43,10 @@ class Kernel {
   void sleep(std::int64_t nanoseconds) { pass(nanoseconds); }
   std::int64_t now();
   std::uint64_t random();
+
+  /// "goes to sleep", "wakes thread 1": what an event of the kernel's own at `address` is; "" if it
+  /// is none.
+  static std::string what_is(std::uintptr_t address, const Event& event);
 
   // For programs.
   /// Lets those that await it go on; what came before happens before what they do.

@@ -15,11 +15,13 @@ std::string quoted(std::string text) {
   return text;
 }
 
-// Where a value comes from: "stored at queue.hpp:70 by thread 0".
+// Where a value comes from: ", stored at queue.hpp:70 by thread 0"; "" of what no code has stored.
 std::string origin(const Execution& execution, const Event& read, Symbols& symbols) {
-  const Event& store = execution.graph().event(read.from);
-  if (store.kind == EventKind::initial) return "as before the threads";
-  return fmt::format("stored at {} by thread {}", symbols.name(store.pc), store.thread);
+  const Graph& graph = execution.graph();
+  if (is_made_up(graph.location(read.location).address)) return "";
+  const Event& store = graph.event(read.from);
+  if (store.kind == EventKind::initial) return ", as before the threads";
+  return fmt::format(", stored at {} by thread {}", symbols.name(store.pc), store.thread);
 }
 
 // What the last round of its loop has read, or its last look at a lock or futex.
@@ -45,6 +47,7 @@ std::string described(const Execution& execution, const Event& event, Symbols& s
   if (event.reads || event.writes) {
     const std::uintptr_t address = execution.graph().location(event.location).address;
     if (std::string what = Process::what_is(address, event.writes); !what.empty()) return what;
+    if (std::string what = Kernel::what_is(address, event); !what.empty()) return what;
   }
   return describe(event, symbols, values, width);
 }
@@ -136,7 +139,7 @@ std::string standings(const Execution& execution, Symbols& symbols) {
     text += reads.empty() ? "\n" : ", and last saw\n";
     for (std::size_t i = 0; i < std::min(reads.size(), most); ++i) {
       const Event& read = execution.graph().event(reads[i]);
-      text += fmt::format("    {} {}, {}\n", symbols.name(read.pc),
+      text += fmt::format("    {} {}{}\n", symbols.name(read.pc),
                           described(execution, read, symbols, values, 70),
                           origin(execution, read, symbols));
     }

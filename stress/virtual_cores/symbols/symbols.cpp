@@ -99,6 +99,7 @@ Line Symbols::line_of(const std::vector<std::string>& frames) {
   for (std::size_t i = 0; i + 1 < frames.size(); i += 2) {
     const std::string& place = frames[i + 1];
     const std::size_t colon = place.rfind(':');
+    if (line.function.empty() && frames[i] != "??") line.function = frames[i];
     if (colon == std::string::npos || place.starts_with("??")) continue;
     Line frame{frames[i], place.substr(0, colon), 0, ""};
     frame.number = static_cast<unsigned>(std::strtoul(place.c_str() + colon + 1, nullptr, 10));
@@ -163,7 +164,11 @@ UnseenInstructions Symbols::unseen_instructions() {
 
 std::string Symbols::name(const void* pc) {
   const Line& line = at(pc);
-  if (line.number == 0) return pc == nullptr ? "the scenario" : fmt::format("{}", pc);
+  if (pc == nullptr) return "the scenario";
+  if (line.number == 0)
+    return fmt::format("{} (machine code at {:#x})",
+                       line.function.empty() ? "a function without lines" : line.function,
+                       reinterpret_cast<std::uintptr_t>(pc) - module_.load_offset() - 1);
   return fmt::format("{}:{}", line.file.substr(line.file.rfind('/') + 1), line.number);
 }
 

@@ -35,40 +35,44 @@ namespace std _GLIBCXX_VISIBILITY(default) {
   }  // namespace __detail
 
   template <typename _Tp, typename _Pred, typename _Clock, typename _Dur>
-  bool __atomic_wait_address_until(const _Tp* __addr, _Pred __pred,
-                                   const chrono::time_point<_Clock, _Dur>& __atime) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_wait_address_until(
+      const _Tp* __addr, _Pred __pred, const chrono::time_point<_Clock, _Dur>& __atime) noexcept {
     return __detail::__wait(__detail::__word_of(__addr), __pred,
                             __detail::__left_until<_Clock, _Dur>{__atime});
   }
 
   template <typename _Pred, typename _Clock, typename _Dur>
-  bool __atomic_wait_address_until_bare(const __detail::__platform_wait_t* __addr, _Pred __pred,
-                                        const chrono::time_point<_Clock, _Dur>& __atime) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_wait_address_until_bare(
+      const __detail::__platform_wait_t* __addr, _Pred __pred,
+      const chrono::time_point<_Clock, _Dur>& __atime) noexcept {
     return __detail::__wait(__addr, __pred, __detail::__left_until<_Clock, _Dur>{__atime});
   }
 
   template <typename _Tp, typename _ValFn, typename _Clock, typename _Dur>
-  bool __atomic_wait_address_until_v(const _Tp* __addr, _Tp&& __old, _ValFn&& __vfn,
-                                     const chrono::time_point<_Clock, _Dur>& __atime) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_wait_address_until_v(
+      const _Tp* __addr, _Tp&& __old, _ValFn&& __vfn,
+      const chrono::time_point<_Clock, _Dur>& __atime) noexcept {
     return std::__atomic_wait_address_until(
         __addr, [&] { return __detail::__differs<_Tp>(__vfn(), __old); }, __atime);
   }
 
   template <typename _Tp, typename _Pred, typename _Rep, typename _Period>
-  bool __atomic_wait_address_for(const _Tp* __addr, _Pred __pred,
-                                 const chrono::duration<_Rep, _Period>& __rtime) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_wait_address_for(
+      const _Tp* __addr, _Pred __pred, const chrono::duration<_Rep, _Period>& __rtime) noexcept {
     return std::__atomic_wait_address_until(__addr, __pred, __detail::__deadline_in(__rtime));
   }
 
   template <typename _Pred, typename _Rep, typename _Period>
-  bool __atomic_wait_address_for_bare(const __detail::__platform_wait_t* __addr, _Pred __pred,
-                                      const chrono::duration<_Rep, _Period>& __rtime) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_wait_address_for_bare(
+      const __detail::__platform_wait_t* __addr, _Pred __pred,
+      const chrono::duration<_Rep, _Period>& __rtime) noexcept {
     return std::__atomic_wait_address_until_bare(__addr, __pred, __detail::__deadline_in(__rtime));
   }
 
   template <typename _Tp, typename _ValFn, typename _Rep, typename _Period>
-  bool __atomic_wait_address_for_v(const _Tp* __addr, _Tp&& __old, _ValFn&& __vfn,
-                                   const chrono::duration<_Rep, _Period>& __rtime) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_wait_address_for_v(
+      const _Tp* __addr, _Tp&& __old, _ValFn&& __vfn,
+      const chrono::duration<_Rep, _Period>& __rtime) noexcept {
     return std::__atomic_wait_address_until(
         __addr, [&] { return __detail::__differs<_Tp>(__vfn(), __old); },
         __detail::__deadline_in(__rtime));

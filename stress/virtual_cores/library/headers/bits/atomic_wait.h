@@ -5,7 +5,7 @@
 /// count by an order that C++ does not allow to rely on (a wake-up may be lost but for what
 /// machines do), and looks many times before it sleeps. None of it is the code's doing. Here
 /// whoever waits looks once and sleeps, and whoever notifies wakes: to the code the same, and far
-/// fewer executions.
+/// fewer executions. All is inlined, so that its places are those of the code that calls it.
 #ifndef _GLIBCXX_ATOMIC_WAIT_H
 #define _GLIBCXX_ATOMIC_WAIT_H 1
 #pragma GCC system_header
@@ -43,7 +43,7 @@ namespace std _GLIBCXX_VISIBILITY(default) {
 
   /// One look is as good as many.
   template <typename _Pred>
-  bool __atomic_spin(_Pred& __pred) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __atomic_spin(_Pred& __pred) noexcept {
     return __pred();
   }
 
@@ -55,7 +55,7 @@ namespace std _GLIBCXX_VISIBILITY(default) {
   inline constexpr bool __is_word = is_scalar_v<_Tp> && sizeof(_Tp) == sizeof(__platform_wait_t);
 
   template <typename _Tp>
-  __platform_wait_t* __word_of(const _Tp* __addr) noexcept {
+  _GLIBCXX_ALWAYS_INLINE __platform_wait_t* __word_of(const _Tp* __addr) noexcept {
     const auto __address = reinterpret_cast<uintptr_t>(__addr);
     if constexpr (__is_word<_Tp>)
       return reinterpret_cast<__platform_wait_t*>(__address);
@@ -64,15 +64,16 @@ namespace std _GLIBCXX_VISIBILITY(default) {
   }
 
   /// False if the time, where one is given, was over.
-  inline bool __sleep(const __platform_wait_t* __word, __platform_wait_t __seen,
-                      const timespec* __time) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __sleep(const __platform_wait_t* __word, __platform_wait_t __seen,
+                                      const timespec* __time) noexcept {
     return syscall(SYS_futex, __word, FUTEX_WAIT_PRIVATE, __seen, __time) == 0 ||
            errno != ETIMEDOUT;
   }
 
   /// Whether `__done()` came in time; `__left()` is the time to wait, null for ever.
   template <typename _Done, typename _Left>
-  bool __wait(const __platform_wait_t* __word, _Done __done, _Left __left) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __wait(const __platform_wait_t* __word, _Done __done,
+                                     _Left __left) noexcept {
     for (;;) {
       // Before it is looked whether to wait: what changes after that changes this, too.
       const __platform_wait_t __seen = __atomic_load_n(__word, __ATOMIC_SEQ_CST);
@@ -81,19 +82,20 @@ namespace std _GLIBCXX_VISIBILITY(default) {
     }
   }
 
-  inline const timespec* __for_ever() noexcept {
+  _GLIBCXX_ALWAYS_INLINE const timespec* __for_ever() noexcept {
     return nullptr;
   }
 
   template <typename _Tp>
-  bool __differs(const _Tp& __a, const _Tp& __b) noexcept {
+  _GLIBCXX_ALWAYS_INLINE bool __differs(const _Tp& __a, const _Tp& __b) noexcept {
     return __builtin_memcmp(&__a, &__b, sizeof(_Tp)) != 0;
   }
 
   }  // namespace __detail
 
   template <typename _Tp, typename _ValFn>
-  void __atomic_wait_address_v(const _Tp* __addr, _Tp __old, _ValFn __vfn) noexcept {
+  _GLIBCXX_ALWAYS_INLINE void __atomic_wait_address_v(const _Tp* __addr, _Tp __old,
+                                                      _ValFn __vfn) noexcept {
     if constexpr (__detail::__is_word<_Tp>) {
       __detail::__platform_wait_t __seen;
       __builtin_memcpy(&__seen, &__old, sizeof __seen);
@@ -107,18 +109,18 @@ namespace std _GLIBCXX_VISIBILITY(default) {
   }
 
   template <typename _Tp, typename _Pred>
-  void __atomic_wait_address(const _Tp* __addr, _Pred __pred) noexcept {
+  _GLIBCXX_ALWAYS_INLINE void __atomic_wait_address(const _Tp* __addr, _Pred __pred) noexcept {
     __detail::__wait(__detail::__word_of(__addr), __pred, __detail::__for_ever);
   }
 
   template <typename _Pred>
-  void __atomic_wait_address_bare(const __detail::__platform_wait_t* __addr,
-                                  _Pred __pred) noexcept {
+  _GLIBCXX_ALWAYS_INLINE void __atomic_wait_address_bare(const __detail::__platform_wait_t* __addr,
+                                                         _Pred __pred) noexcept {
     __detail::__wait(__addr, __pred, __detail::__for_ever);
   }
 
   template <typename _Tp>
-  void __atomic_notify_address(const _Tp* __addr, bool __all) noexcept {
+  _GLIBCXX_ALWAYS_INLINE void __atomic_notify_address(const _Tp* __addr, bool __all) noexcept {
     __detail::__platform_wait_t* const __word = __detail::__word_of(__addr);
     if constexpr (!__detail::__is_word<_Tp>) {
       __atomic_fetch_add(__word, 1, __ATOMIC_SEQ_CST);
@@ -127,8 +129,8 @@ namespace std _GLIBCXX_VISIBILITY(default) {
     syscall(SYS_futex, __word, FUTEX_WAKE_PRIVATE, __all ? INT_MAX : 1);
   }
 
-  inline void __atomic_notify_address_bare(const __detail::__platform_wait_t* __addr,
-                                           bool __all) noexcept {
+  _GLIBCXX_ALWAYS_INLINE void __atomic_notify_address_bare(
+      const __detail::__platform_wait_t* __addr, bool __all) noexcept {
     syscall(SYS_futex, __addr, FUTEX_WAKE_PRIVATE, __all ? INT_MAX : 1);
   }
 
