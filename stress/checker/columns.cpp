@@ -7,6 +7,7 @@
 #include <set>
 
 #include "stress/checker/fold.hpp"
+#include "stress/checker/interleaving.hpp"
 #include "stress/checker/report.hpp"
 #include "stress/checker/values.hpp"
 
@@ -70,9 +71,10 @@ class Columns {
   }
 
   std::string draw() {
-    for (EventId id = 0; id < graph_.size(); ++id) {
+    put_in_order();
+    for (const EventId id : order_) {
       const Event& event = graph_.event(id);
-      if (event.kind == EventKind::initial || event.thread >= threads_) continue;
+      step_ = step_of_[id];
       show_payloads(event);
       if (event.index == 1) show_moments(event.thread, 0, &event);
       begin_calls(event.thread);
@@ -96,6 +98,22 @@ class Columns {
     const symbols::Line& source = symbols_.at(pc);
     if (source.number == 0) return "";
     return source.file == file_ ? fmt::format("{} ", source.number) : symbols_.name(pc) + " ";
+  }
+
+  // As one interleaving of the threads, where it is one.
+  void put_in_order() {
+    step_of_.resize(graph_.size());
+    for (EventId id = 0; id < graph_.size(); ++id) {
+      const Event& event = graph_.event(id);
+      if (event.kind == EventKind::initial || event.thread >= threads_) continue;
+      step_of_[id] = order_.size();
+      order_.push_back(id);
+    }
+    const auto interleaved = interleaving(graph_);
+    is_interleaving_ = interleaved.has_value();
+    if (!is_interleaving_) return;
+    order_ = *interleaved;
+    std::erase_if(order_, [&](EventId id) { return graph_.event(id).thread >= threads_; });
   }
 
   [[nodiscard]] const Event* next_of(const Event& event) const {
@@ -215,7 +233,7 @@ class Columns {
     if (!note.empty()) line(event.thread, "      ^ " + note);
     const std::size_t choice =
         step_ < execution_.steps().size() ? execution_.steps()[step_].choice : 0;
-    if (choice == 0 || !touches) return;
+    if (choice == 0 || !touches || is_interleaving_) return;
     // The store after it in modification order, of those made before it in this execution.
     const std::vector<EventId>& stores = graph_.location(event.location).stores;
     auto after = std::ranges::find(stores, event.reads ? event.from : id);
@@ -286,6 +304,9 @@ class Columns {
   std::string file_;  ///< that most lines are of
   std::vector<std::uint32_t> users_;
   std::vector<bool> shown_;  ///< the finding's moments
+  std::vector<EventId> order_;
+  std::vector<std::size_t> step_of_;  ///< by event: which step of the execution it is
+  bool is_interleaving_ = false;
   std::vector<Row> rows_;
   std::string last_;
   std::size_t step_ = 0;
