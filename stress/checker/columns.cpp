@@ -183,7 +183,11 @@ class Columns {
   }
 
   [[nodiscard]] std::string with_places(const std::string& text) const {
-    return sentence({FindingKind::failure, text, execution_.finding()->places}, symbols_);
+    return checker::with_places(text, execution_.finding()->places, [this](const void* pc) {
+      const symbols::Line& source = symbols_.at(pc);
+      return source.number != 0 && source.file == file_ ? fmt::format("line {}", source.number)
+                                                        : symbols_.name(pc);
+    });
   }
 
   // The moments that no event of their thread followed; those of the preparing thread above all or

@@ -68,14 +68,19 @@ std::string words(OnX86 answer) {
          "there was.\n";
 }
 
-std::string sentence(const Finding& finding, Symbols& symbols) {
-  std::string text = finding.text;
-  for (std::size_t i = 0; i < finding.places.size(); ++i) {
+std::string with_places(std::string text, const std::vector<const void*>& places,
+                        const std::function<std::string(const void*)>& name) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
     const std::string mark = "{" + std::to_string(i) + "}";
     for (auto at = text.find(mark); at != std::string::npos; at = text.find(mark))
-      text.replace(at, mark.size(), symbols.name(finding.places[i]));
+      text.replace(at, mark.size(), name(places[i]));
   }
   return text;
+}
+
+std::string sentence(const Finding& finding, Symbols& symbols) {
+  return with_places(finding.text, finding.places,
+                     [&](const void* pc) { return symbols.name(pc); });
 }
 
 std::string heading(const Finding& finding, Symbols& symbols) {

@@ -1,8 +1,10 @@
 /// A finding for the reader: a sentence, a column per thread, the history, how to see it again.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "stress/checker/checker.hpp"
 #include "stress/checker/queue_calls.hpp"
@@ -20,6 +22,9 @@ inline unsigned shown_threads(const Execution& execution) {
 std::string described(const Execution& execution, const Event& event, Symbols& symbols,
                       Values& values, std::size_t width);
 
+/// `text` with `name` of the places that {0}, {1}, ... stand for.
+std::string with_places(std::string text, const std::vector<const void*>& places,
+                        const std::function<std::string(const void*)>& name);
 /// The finding's sentence with its places as file:line.
 std::string sentence(const Finding& finding, Symbols& symbols);
 /// Its kind and that, before the rest.
