@@ -144,7 +144,7 @@ class Heap {
   /// Of memory outside of the heap, globals, stacks and thread_locals, with its cells.
   static constexpr std::uintptr_t page_bytes = 4096;
   struct Page {
-    std::uintptr_t number = 0;
+    std::uintptr_t number = ~std::uintptr_t{0};
     Cell* cells = nullptr;
   };
   Page find_page(std::uintptr_t number);

@@ -42,9 +42,7 @@ bool is_sleeper(Value sleepers, unsigned thread) {
 Value without_oldest(Value sleepers, unsigned count) {
   return count >= sizeof(Value) ? 0 : sleepers >> (8 * count);
 }
-// Without `thread`; if a wake-up has already taken it out, that goes to the next one.
 Value without_sleeper(Value sleepers, unsigned thread) {
-  if (!is_sleeper(sleepers, thread)) return without_oldest(sleepers, 1);
   Value result = 0;
   for (unsigned at = 0; sleepers != 0; sleepers >>= 8)
     if ((sleepers & 0xFF) != thread + 1) result |= (sleepers & 0xFF) << (8 * at++);
@@ -134,13 +132,20 @@ Wake Kernel::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t n
   }
   const unsigned thread = state_.current();
   Request request{sleepers_of(address), 16, pc, Order::acq_rel, Order::acquire};
+  // False if a wake-up has already taken it out.
   const auto leave = [&] {
-    accesses_.change(request, [thread](Value value) { return without_sleeper(value, thread); });
+    const Value before =
+        accesses_.change(request, [thread](Value value) { return without_sleeper(value, thread); });
+    return is_sleeper(before, thread);
   };
+  turns_.keep(true);
   accesses_.change(request, [thread](Value value) { return with_sleeper(value, thread); });
   accesses_.fence(Order::seq_cst, pc);  // as the kernel, and as wake() on the other side
-  if (look() != expected) {
-    leave();
+  const bool differs = look() != expected;
+  turns_.keep(false);
+  if (differs) {
+    // A kernel looks and puts it to sleep in one step, in which nobody can wake it.
+    if (!leave()) turns_.dismiss(pc);
     return Wake::value_differs;
   }
   if (state_.limits.spurious_wakeups && state_.choose(2, pc) != 0) {

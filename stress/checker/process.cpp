@@ -88,11 +88,8 @@ void Process::exit(int status, const void* pc) {
   turns_.end_process();
 }
 
-// It waits for what no execution brings. Others go on, for what they store may let an execution
-// begin in which all is well.
 void Process::dismiss(const void* pc) {
-  turns_.mine().timed = true;  // so that it is no deadlock
-  for (;;) turns_.wait(0, pc);
+  turns_.dismiss(pc);
 }
 
 bool Process::is_of_threads(std::uintptr_t address) {

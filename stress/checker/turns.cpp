@@ -10,7 +10,7 @@ void Turns::begin() {
   std::ranges::fill(all_, Thread{});
   for (std::size_t thread = state_.program.threads.size(); thread < state_.threads; ++thread)
     all_[thread].unborn = true;
-  froze_ = over_ = false;
+  froze_ = over_ = kept_ = false;
 }
 
 void Turns::start() {
@@ -40,6 +40,7 @@ void Turns::reach(std::uintptr_t address, bool writes) {
   if (state_.diary != nullptr) state_.diary->settle(thread);
   if (frozen_ && frozen_->first == thread && state_.events_of(thread) >= frozen_->second) {
     froze_ = me.done = true;
+    kept_ = false;
     state_.cores.switch_to(next());
   }
   if (!me.started) {  // it was chosen to begin, and nothing has happened since
@@ -47,6 +48,7 @@ void Turns::reach(std::uintptr_t address, bool writes) {
     return;
   }
   state_.pending[thread] = {address, writes};
+  if (kept_ && state_.strategy->resumes_waiting()) return;  // it samples, and plans nothing
   const unsigned chosen = choose(runnable(), thread);
   if (chosen == host) state_.conclusion.stop(Outcome::cut);
   state_.cores.switch_to(chosen);
@@ -63,6 +65,11 @@ void Turns::wait(std::uint32_t location, const void* pc) {
   me.wait_pc = pc;
   state_.cores.switch_to(next());
   me.waiting = false;
+}
+
+void Turns::dismiss(const void* pc) {
+  mine().timed = true;  // so that it is no deadlock
+  for (;;) wait(0, pc);
 }
 
 unsigned Turns::next() {

@@ -47,6 +47,13 @@ class Turns {
     return next();
   }
 
+  /// From now on no other thread comes between the events of the one in progress, as far as the
+  /// strategy may choose, or others may again.
+  void keep(bool turn) { kept_ = turn; }
+  /// What the thread in progress has come to cannot be, or is of no interest: it goes no further.
+  /// Others do, for what they store may let an execution begin in which all is well.
+  [[noreturn]] void dismiss(const void* pc);
+
   /// Somebody has begun `thread`.
   void bear(unsigned thread) { all_[thread].unborn = false; }
   /// The process has ended: who waits from now on need not go on.
@@ -77,6 +84,7 @@ class Turns {
   std::optional<std::pair<unsigned, std::size_t>> frozen_;
   bool froze_ = false;
   bool over_ = false;
+  bool kept_ = false;
 };
 
 }  // namespace irt::checker

@@ -108,26 +108,24 @@ TEST_F(Report, marks_a_store_that_comes_earlier_in_modification_order) {
 
 TEST_F(Report, shows_both_accesses_of_a_race_where_they_were_made) {
   const std::string race = of("race");
-  expect_in_order(race,
-                  {"data = 1;  plain write", "^ races with report_probe.cpp:# of thread 1",
-                   "x.store relaxed <- 1", "x.load acquire = 1", "y.store(data, rlx);  plain read",
-                   "^ races with report_probe.cpp:# of thread 0"});
+  expect_in_order(race, {"data = 1;  plain write", "^ races with line # of thread 1",
+                         "x.store relaxed <- 1", "x.load acquire = 1",
+                         "y.store(data, rlx);  plain read", "^ races with line # of thread 0"});
   expect_in_order(of("race with an atomic access"),
-                  {"x.store relaxed <- 1", "^ races with report_probe.cpp:# of thread 1",
-                   "plain write", "^ races with report_probe.cpp:# of thread 0"});
+                  {"x.store relaxed <- 1", "^ races with line # of thread 1", "plain write",
+                   "^ races with line # of thread 0"});
 }
 
 TEST_F(Report, shows_who_allocated_and_freed_what_is_freed_twice_or_used_after) {
   expect_in_order(of("double free"),
                   {"std::free(block);  freed", "^ the first time", "x.store release <- 1",
                    "x.load acquire = 1", "std::free(block);  freed", "^ the second time"});
-  expect_in_order(
-      of("use after free"),
-      {"int* const mine = new int(5);  allocated", "shared.store release <- &1",
-       "delete mine;  freed", "^ used later at report_probe.cpp:#", "shared.load acquire = &1",
-       "plain read", "^ of memory that was freed at", "Blocks of the heap:",
-       "&1   # bytes, allocated at report_probe.cpp:# by thread 0"
-       ", freed at report_probe.cpp:# by thread 0"});
+  expect_in_order(of("use after free"),
+                  {"int* const mine = new int(5);  allocated", "shared.store release <- &1",
+                   "delete mine;  freed", "^ used later at line #", "shared.load acquire = &1",
+                   "plain read", "^ of memory that was freed at", "Blocks of the heap:",
+                   "&1   # bytes, allocated at report_probe.cpp:# by thread 0"
+                   ", freed at report_probe.cpp:# by thread 0"});
 }
 
 TEST_F(Report, says_where_each_thread_stands) {

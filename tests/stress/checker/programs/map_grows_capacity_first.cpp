@@ -1,4 +1,4 @@
-// finds: out of bounds
+// finds: access out of bounds
 // apache/bookkeeper#1606: a growing map publishes its new capacity before the table of that size,
 // and a reader that holds no lock indexes the old table by the new capacity
 #include <atomic>
