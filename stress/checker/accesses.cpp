@@ -72,8 +72,8 @@ bool Accesses::compare_exchange(const Access& access, Order failure, bool weak, 
     return expected == wanted;
   }
   loops_.enter(access.pc);
+  const bool fails = weak && state_.limits.weak_may_fail && loops_.chosen_once(access.pc);
   turns_.reach(access.address, true);
-  const bool fails = weak && state_.limits.weak_may_fail && state_.choose(2, access.pc) != 0;
   const Order success = order_of(access, EventKind::modify);
   expected = read_now(
       {.address = access.address,

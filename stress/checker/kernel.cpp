@@ -148,7 +148,7 @@ Wake Kernel::wait(std::uintptr_t address, std::uint32_t expected, std::int64_t n
     if (!leave()) turns_.dismiss(pc);
     return Wake::value_differs;
   }
-  if (state_.limits.spurious_wakeups && state_.choose(2, pc) != 0) {
+  if (state_.limits.spurious_wakeups && loops_.chosen_once(pc)) {
     leave();
     return Wake::woken;
   }

@@ -21,9 +21,12 @@ bool is_newest(const Graph& graph, EventId store) {
 void Loops::begin() {
   for (Thread& thread : threads_) {
     std::vector<Visit> visits = std::move(thread.visits);
+    std::vector<const void*> unusual = std::move(thread.unusual);
     visits.clear();
+    unusual.clear();
     thread = Thread{};
     thread.visits = std::move(visits);
+    thread.unusual = std::move(unusual);
   }
 }
 
@@ -205,6 +208,14 @@ bool Loops::chosen(const void* pc) {
   if (state_.phase != Phase::parallel) return false;
   turns_.reach(0, false);
   return goes_on(pc) && state_.choose(2, pc) != 0;
+}
+
+bool Loops::chosen_once(const void* pc) {
+  std::vector<const void*>& unusual = mine().unusual;
+  if (std::ranges::find(unusual, pc) != unusual.end() || !chosen(pc)) return false;
+  unusual.push_back(pc);
+  note_effect();  // that a loop comes by again is not for want of a store
+  return true;
 }
 
 }  // namespace irt::checker

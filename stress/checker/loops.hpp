@@ -54,6 +54,9 @@ class Loops {
 
   /// Whether the unusual happens, where it may: an event of its own.
   bool chosen(const void* pc);
+  /// The same for what may happen any number of times, of which once in each thread and place is
+  /// looked at.
+  bool chosen_once(const void* pc);
   /// Whether a wait with a time-out ends by it. Who insists on what a loop reads until it gives up
   /// sees no wait of it end.
   bool times_out(const void* pc) { return mine().insists != nullptr || chosen(pc); }
@@ -87,6 +90,7 @@ class Loops {
     std::size_t news_since = 0;    ///< events of its own when it read that
     std::uint64_t entry_hash = 0;  ///< of the core when the operation in progress began
     std::vector<Visit> visits;
+    std::vector<const void*> unusual;  ///< where `chosen_once` was true
   };
 
   Thread& mine() { return threads_[state_.current()]; }
