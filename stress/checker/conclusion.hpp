@@ -31,9 +31,12 @@ class Conclusion {
                            std::vector<Moment> moments = {});
   /// Nothing in this execution, or after it, can be a proof.
   [[noreturn]] void give_up(std::string why);
-  /// Stops when it is time, once in a while.
-  void check_time() {
-    if ((++asked_ & 1023U) == 0) stop_in_time();
+  /// Stops when it is time, once in a while: the sooner the greater the `work` since it was asked.
+  void check_time(std::size_t work = 1) {
+    asked_ += work;
+    if (asked_ < 1024) return;
+    asked_ = 0;
+    stop_in_time();
   }
   /// The same for code that has only computed for so long.
   [[noreturn]] void give_up_computing(const void* pc, double seconds, std::string why);
@@ -66,7 +69,7 @@ class Conclusion {
   std::optional<Finding> finding_;
   std::vector<Finding> known_;
   Deadline deadline_;
-  std::uint32_t asked_ = 0;
+  std::size_t asked_ = 0;  ///< work since time was looked at
   bool out_of_time_ = false;
   std::string incomplete_;
   const void* incomplete_at_ = nullptr;

@@ -60,7 +60,7 @@ struct ExecutionState {
     if (phase != Phase::parallel) return;
     walk = 0;
     ++beats;
-    conclusion.check_time();
+    conclusion.check_time(1 + steps.size() / 32);  // strategies go through those before
     steps.push_back(
         {event.thread, static_cast<std::uint8_t>(event.kind), static_cast<std::uint16_t>(choice)});
     strategy->added(*this, event);

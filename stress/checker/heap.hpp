@@ -167,7 +167,7 @@ class Heap {
   std::size_t bytes_ = 0;
   std::vector<Region> regions_;
   std::vector<Block> blocks_;
-  Cell* cells_ = nullptr;                                 ///< of the heap, one per eight bytes
+  Cell* cells_ = nullptr;  ///< of the heap, one per eight bytes
   std::unordered_map<std::uintptr_t, std::unique_ptr<Cell[]>> other_cells_;  ///< by page
   std::array<Page, 64> pages_{};  ///< of these, those used last
   std::vector<Touch> touches_;

@@ -52,7 +52,7 @@ class Report : public testing::Test {
     const std::string text = sentence_and_steps(checked, result.schedule);
     const checker::Schedule again = checker::parse_schedule(to_string(result.schedule));
     EXPECT_EQ(sentence_and_steps(checked, again), text) << "a replay shows the same";
-    return std::regex_replace(text, std::regex("(report_probe.cpp:|  )[0-9]+\\b"), "$1#");
+    return std::regex_replace(text, std::regex("(report_probe.cpp:|line |  )[0-9]+\\b"), "$1#");
   }
 
   std::string sentence_and_steps(const checker::Program& checked,
