@@ -186,7 +186,7 @@ bool Loops::goes_on(const void* pc) {
     bool others_may = false;
     for (unsigned other = 0; other < state_.threads; ++other) {
       const Turns::Thread& o = turns_.of(other);
-      if (other == thread || o.done || (o.waiting && !o.assumed)) continue;
+      if (other == thread || o.done || o.unborn || (o.waiting && !o.assumed)) continue;
       others_may = true;
       others_could = others_could || !used_up(other);
     }
