@@ -363,7 +363,6 @@ REASONS = {
     "example/stack/stack_test": "pop reads with relaxed what another thread initialises: that comes first",
     "test/atomic/atomic_use_after_scope_detected": "the end of a scope on the stack is not seen",
     "test/cxx11_thread/cxx11_thread_basic_ops_test": "C++ terminates where a joinable thread is destroyed",
-    "test/futex/test_futex": "the checker counts a wait as woken that says EWOULDBLOCK, unlike Linux",
     "test/memory_order/modification_order_test": "in C++20 a relaxed store of the same thread ends a release "
         "sequence, in C++11 it does not",
     "test/mutex/test_mutex_destuction": "libstdc++'s destructor of std::mutex is nothing that could be seen",
