@@ -127,11 +127,17 @@ Heap::Page Heap::find_page(std::uintptr_t number) {
   return {number, cells.get()};
 }
 
-// Memory of the heap that nothing is known of is outside of every block.
-void Heap::begin_cell(Cell& cell, bool mine) const {
+Cell& Heap::other_cell(std::uintptr_t address) {
+  const bool mine = owns(address);  // then outside of every block
+  const std::uintptr_t number = address / page_bytes;
+  Page& page = pages_[number % pages_.size()];
+  if (!mine && page.number != number) page = find_page(number);
+  Cell& cell = mine ? cells_[(address - base_) / 8] : page.cells[address % page_bytes / 8];
+  if (cell.generation == generation_) return cell;
   cell = Cell{};
   cell.generation = generation_;
   if (!mine) cell.initialised = cell.usable = 0xFF;
+  return cell;
 }
 
 void Heap::add_touch(Cell& cell, const Touch& touch) {

@@ -112,10 +112,8 @@ class Heap {
   Block* find(std::uintptr_t address);
   /// What is known about the eight bytes at `address` / 8 * 8.
   Cell& cell(std::uintptr_t address) {
-    const bool mine = owns(address);
-    Cell& cell = mine ? cells_[(address - base_) / 8] : other_cell(address);
-    if (cell.generation != generation_) begin_cell(cell, mine);
-    return cell;
+    Cell* const known = known_cell(address);
+    return known != nullptr ? *known : other_cell(address);
   }
   /// The same for memory of the heap, or null if nothing is known.
   Cell* known_cell(std::uintptr_t address) {
@@ -153,14 +151,8 @@ class Heap {
   /// Its place among what the thread has freed; behind the last if there is none.
   [[nodiscard]] std::size_t last_freed(unsigned thread, std::size_t size,
                                        std::size_t alignment) const;
-  /// Of memory outside of the heap.
-  Cell& other_cell(std::uintptr_t address) {
-    const std::uintptr_t number = address / page_bytes;
-    Page& page = pages_[number % pages_.size()];
-    if (page.number != number) page = find_page(number);
-    return page.cells[address % page_bytes / 8];
-  }
-  void begin_cell(Cell& cell, bool mine) const;
+  /// One that nothing is known of, or of memory outside of the heap.
+  Cell& other_cell(std::uintptr_t address);
   void begin_cells(const Block& block);
 
   std::uintptr_t base_ = 0;
