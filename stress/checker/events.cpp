@@ -66,7 +66,10 @@ bool Events::lock(std::uintptr_t address, std::int64_t nanoseconds, const void* 
 }
 
 void Events::leave_function(std::uintptr_t frame_end, const void* pc) {
-  if (parts.state.program.own_threads != 0 && parts.state.phase == Phase::parallel)
+  const ExecutionState& state = parts.state;
+  // Code may have stacks of its own making, on which nobody knows what is left.
+  if (state.program.own_threads != 0 && state.phase == Phase::parallel &&
+      state.on_own_stack(frame_end - 1))
     parts.watch.leave(frame_end, pc);
 }
 
