@@ -6,6 +6,7 @@
 #include <string>
 
 #include "stress/checker/program_check.hpp"
+#include "stress/checker/unseen.hpp"
 
 namespace checker = irt::checker;
 
@@ -49,6 +50,11 @@ TEST_P(Programs, are_known_for_what_they_are) {
             std::string::npos)
       << found(result) << ", for " << GetParam().finds << ": " << verdict(settings, result)
       << (result.found ? result.searches.back().report : "");
+}
+
+TEST(Main, and_its_unlikely_part_are_seen_as_one_function) {
+  irt::virtual_cores::Module main(IRT_MAIN_PROBE);
+  EXPECT_EQ(words(checker::unseen_of(main)), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Programs, testing::ValuesIn(entries()),
