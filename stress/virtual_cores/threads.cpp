@@ -278,6 +278,7 @@ void run_program(void (*main)(), const std::vector<std::string>& arguments) {
     // The code may write to them: each execution has its own.
     std::vector<std::string> words = arguments;
     std::vector<char*> names;
+    names.reserve(words.size() + 1);
     for (std::string& word : words) names.push_back(word.data());
     names.push_back(nullptr);
     const auto call = reinterpret_cast<int (*)(int, char**, char**)>(main);
