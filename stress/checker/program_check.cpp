@@ -104,7 +104,9 @@ class ProgramCheck {
     std::vector<std::string> words{settings_.name};
     words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
     auto* const main = reinterpret_cast<void (*)()>(module_.find("irt_main"));
-    return [main, words] { virtual_cores::run_program(main, words); };
+    return [main, words, constructors = module_.constructors()] {
+      virtual_cores::run_program(main, words, constructors);
+    };
   }
 
   [[nodiscard]] bool done() const {

@@ -78,7 +78,7 @@ json to_sarif(const ProgramResult& result) {
 
 int run_program_command(const ProgramCommand& command) {
   const ProgramSettings& settings = command.settings;
-  virtual_cores::Module module(command.module);
+  virtual_cores::Module module(command.module, virtual_cores::Module::Constructs::each_program);
   if (!command.replay.empty()) {
     const std::string report = replay(module, settings, command.replay, command.dot_file);
     std::cout << (report.empty() ? std::string(stale_schedule) : report);

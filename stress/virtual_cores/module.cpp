@@ -4,10 +4,12 @@
 #include <dlfcn.h>
 #include <elf.h>
 #include <filesystem>
+#include <fstream>
 #include <link.h>
 #include <memory>
 #include <stdexcept>
 #include <string_view>
+#include <unistd.h>
 
 #include "stress/virtual_cores/harmless.hpp"
 #include "stress/virtual_cores/internal.hpp"
@@ -84,6 +86,27 @@ class Loading final : public Tenant {
   std::vector<Range> blocks_;
 };
 
+// Where the loaded file has what irt_virtual_module() has taken from .init_array; empty if nothing.
+Range constructors_of(const std::string& path, std::uintptr_t offset) {
+  std::ifstream file(path, std::ios::binary);
+  const auto read = [&file](std::uint64_t at, void* to, std::size_t bytes) {
+    file.seekg(static_cast<std::streamoff>(at));
+    file.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes));
+  };
+  ElfW(Ehdr) header{};
+  read(0, &header, sizeof header);
+  std::vector<ElfW(Shdr)> sections(header.e_shnum);
+  read(header.e_shoff, sections.data(), sections.size() * sizeof sections[0]);
+  if (!file || header.e_shstrndx >= sections.size()) return {};
+  std::string names(sections[header.e_shstrndx].sh_size, '\0');
+  read(sections[header.e_shstrndx].sh_offset, names.data(), names.size());
+  for (const ElfW(Shdr) & section : sections)
+    if (section.sh_name < names.size() &&
+        std::string_view(names.c_str() + section.sh_name) == "irt_init_array")
+      return {offset + section.sh_addr, offset + section.sh_addr + section.sh_size};
+  return {};
+}
+
 std::string demangled(const char* name) {
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> text(
@@ -111,19 +134,27 @@ struct Module::State {
   Globals globals{};
   std::vector<Range> memory{};  // the globals, and what their constructors allocated
   std::vector<char> initial{};
+  std::vector<Constructor> constructors{};
 };
 
-Module::Module(const std::string& file) : state_(new State{.file = file}) {
+Module::Module(const std::string& file, Constructs when) : state_(new State{.file = file}) {
   {
     const Loading loading;
     // A name without a folder would be looked for elsewhere.
     const std::string path = std::filesystem::absolute(file);
     state_->handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (state_->handle == nullptr)
+      throw std::runtime_error(std::string("virtual cores: ") + dlerror());
+    dlinfo(state_->handle, RTLD_DI_LINKMAP, &state_->map);
+    const Range constructors = constructors_of(path, state_->map->l_addr);
+    for (std::uintptr_t at = constructors.begin; at < constructors.end; at += sizeof(Constructor))
+      state_->constructors.push_back(*reinterpret_cast<const Constructor*>(at));
+    if (when == Constructs::once) {
+      for (const Constructor construct : state_->constructors) construct(0, nullptr, environ);
+      state_->constructors.clear();
+    }
     state_->memory = loading.blocks();
   }
-  if (state_->handle == nullptr)
-    throw std::runtime_error(std::string("virtual cores: ") + dlerror());
-  dlinfo(state_->handle, RTLD_DI_LINKMAP, &state_->map);
   std::pair<std::uintptr_t, Globals> search{state_->map->l_addr, {}};
   dl_iterate_phdr(find_globals, &search);
   state_->globals = search.second;
@@ -203,6 +234,10 @@ std::vector<std::string> Module::unseen_calls() const {
   }
   std::ranges::sort(result);
   return result;
+}
+
+const std::vector<Constructor>& Module::constructors() const {
+  return state_->constructors;
 }
 
 const std::string& Module::file() const {

@@ -271,7 +271,8 @@ IRT_REDIRECTED int irt_vc___cxa_atexit(void (*function)(void*), void* argument, 
 
 namespace irt::virtual_cores {
 
-void run_program(void (*main)(), const std::vector<std::string>& arguments) {
+void run_program(void (*main)(), const std::vector<std::string>& arguments,
+                 const std::vector<Constructor>& constructors) {
   threads.clear();
   at_exit = of_globals;
   run_thread([&] {
@@ -281,8 +282,10 @@ void run_program(void (*main)(), const std::vector<std::string>& arguments) {
     names.reserve(words.size() + 1);
     for (std::string& word : words) names.push_back(word.data());
     names.push_back(nullptr);
+    const auto count = static_cast<int>(words.size());
+    for (const Constructor construct : constructors) construct(count, names.data(), environ);
     const auto call = reinterpret_cast<int (*)(int, char**, char**)>(main);
-    end_process(call(static_cast<int>(words.size()), names.data(), environ), nullptr);
+    end_process(call(count, names.data(), environ), nullptr);
   });
 }
 

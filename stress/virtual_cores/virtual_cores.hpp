@@ -192,10 +192,16 @@ bool is_of_library(std::uintptr_t address);
 /// Where `core` keeps its thread_local variables; nothing once it has ended or begun anew.
 std::vector<Range> thread_locals_of(unsigned core);
 
+/// Makes global variables of a module: a function that is called with main's arguments.
+using Constructor = void (*)(int, char**, char**);
+
 /// Calls `main` on the core in progress as the C library does, with its names and arguments: what
 /// it returns ends the process by `Process::exit`, and so does `exit()`, after what is registered
 /// for that. `main` may be of any type that C and C++ allow.
-void run_program(void (*main)(), const std::vector<std::string>& arguments);
+/// Before it, `constructors` (`Module::constructors`) are called, if the module has not been told
+/// to.
+void run_program(void (*main)(), const std::vector<std::string>& arguments,
+                 const std::vector<Constructor>& constructors = {});
 /// Calls `body` on the core in progress as if it were all of a program, whose end is its own.
 void run_body(const std::function<void()>& body);
 
@@ -255,8 +261,12 @@ class SpinWatch {
 /// Instrumented code in a shared object, with a symbol scope of its own.
 class Module {
  public:
+  /// Who calls the constructors of global variables: this class, once, after which they start no
+  /// threads, or `run_program`.
+  enum class Constructs : std::uint8_t { once, each_program };
+
   /// Loads `file`. Throws std::runtime_error with the loader's words if that fails.
-  explicit Module(const std::string& file);
+  explicit Module(const std::string& file, Constructs when = Constructs::once);
   Module(const Module&) = delete;
   Module& operator=(const Module&) = delete;
   ~Module();
@@ -285,6 +295,10 @@ class Module {
   /// Functions outside the module that it calls, that may touch shared memory and that nobody
   /// observes, demangled; also tables of virtual functions and objects outside.
   [[nodiscard]] std::vector<std::string> unseen_calls() const;
+
+  /// Of its global variables, in order; none if they were called. Those that ask for a priority are
+  /// called when it is loaded.
+  [[nodiscard]] const std::vector<Constructor>& constructors() const;
 
   [[nodiscard]] const std::string& file() const;
   /// What to subtract from an address to find it in the file.

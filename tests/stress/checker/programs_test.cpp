@@ -57,6 +57,17 @@ TEST(Main, and_its_unlikely_part_are_seen_as_one_function) {
   EXPECT_EQ(words(checker::unseen_of(main)), "");
 }
 
+TEST(Main, comes_after_the_constructors_of_globals_in_each_execution) {
+  using irt::virtual_cores::Module;
+  Module main(IRT_CONSTRUCTORS_PROBE, Module::Constructs::each_program);
+  checker::ProgramSettings settings{.name = "constructors", .seconds = 20};
+  settings.conduct = {.jobs = 1, .keep_going = false, .quiet = true, .reports = true};
+  const auto same = [](const std::string& s) { return s; };
+  EXPECT_EQ(found(check_program(main, settings, same)), "nothing");
+  settings.arguments = {"race"};
+  EXPECT_EQ(found(check_program(main, settings, same)), "data race");
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Programs, testing::ValuesIn(entries()),
                          [](const auto& i) { return std::string(i.param.name); });
 
