@@ -215,7 +215,7 @@ void Kernel::look_outside() {
   if (state_.observed()) state_.conclusion.check_time();
 }
 
-std::int64_t Kernel::time() {
+std::int64_t Kernel::time() const {
   const unsigned thread = state_.current();
   const Clock& known = state_.graph.thread(thread).now;
   std::int64_t time = 0;

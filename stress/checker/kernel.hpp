@@ -61,7 +61,7 @@ class Kernel {
   /// The time on the clock that the code of the thread in progress sees, in nanoseconds. It passes
   /// with each look, with sleep and where a wait with a time-out is in vain; it is never earlier
   /// than what another thread saw on it before.
-  std::int64_t time();
+  [[nodiscard]] std::int64_t time() const;
 
  private:
   /// The time on a thread's clock after so many events of its own.

@@ -111,41 +111,32 @@ void MemoryWatch::check_frame(std::uintptr_t address, const Touch& touch) {
   const auto owner = static_cast<unsigned>(state_.owner_of_stack(address));
   if (owner >= state_.threads || owner == touch.thread) return;
   const std::uint16_t known = state_.graph.thread(touch.thread).now.count[owner];
-  const std::optional<Frames::Return> over = frames_.touch(owner, address, known);
-  if (!over) return;
-  const std::string by = "thread " + std::to_string(owner);
-  state_.conclusion.report(
-      FindingKind::use_after_return,
-      "the " + name_of(touch) + " at {0} by thread " + std::to_string(touch.thread) +
-          " is to a variable of a function of " + by +
-          ", and nothing makes it happen before that function returns at {1}",
-      {touch.pc, over->pc},
-      {{owner, over->after, over->pc, "returned", "its variables are no more"},
-       here(touch.pc, name_of(touch), "of a variable of the function that returned at {1}")});
+  if (const auto over = frames_.touch(owner, address, known))
+    report_use_after_return(touch, owner, *over);
 }
 
 void MemoryWatch::leave(std::uintptr_t frame_end, const void* pc) {
   const unsigned thread = state_.current();
-  const Clock& now = state_.graph.thread(thread).now;
+  const Frames::Return over{state_.graph.thread(thread).now.count[thread], frame_end, pc};
   while (const auto address = frames_.take_touched(thread, frame_end)) {
     Cell& cell = state_.heap.cell(*address);
-    for (std::uint32_t number = cell.touches; number != 0;) {
-      const Touch& touch = state_.heap.touch(number);
-      number = touch.next;
-      if (touch.thread == thread || now.count[touch.thread] >= touch.moment) continue;
-      state_.conclusion.report(
-          FindingKind::use_after_return,
-          "the " + name_of(touch) + " at {0} by thread " + std::to_string(touch.thread) +
-              " is to a variable of a function of thread " + std::to_string(thread) +
-              ", and nothing makes it happen before that function returns at {1}",
-          {touch.pc, pc},
-          {moment_of(touch, "not ordered before the return at {1}"),
-           here(pc, "returned", "its variables are no more")});
-    }
+    if (const Touch* touch = unordered_touch(cell)) report_use_after_return(*touch, thread, over);
     cell.touches = 0;  // what comes next is another variable
     cell.toucher = cell.read = cell.written = 0;
   }
-  frames_.leave(thread, {now.count[thread], frame_end, pc});
+  frames_.leave(thread, over);
+}
+
+void MemoryWatch::report_use_after_return(const Touch& touch, unsigned owner,
+                                          const Frames::Return& over) {
+  state_.conclusion.report(
+      FindingKind::use_after_return,
+      "the " + name_of(touch) + " at {0} by thread " + std::to_string(touch.thread) +
+          " is to a variable of a function of thread " + std::to_string(owner) +
+          ", and nothing makes it happen before that function returns at {1}",
+      {touch.pc, over.pc},
+      {moment_of(touch, "not ordered before the return at {1}"),
+       {owner, over.after, over.pc, "returned", "its variables are no more"}});
 }
 
 void MemoryWatch::note_touch(Cell& cell, const Touch& touch) {
@@ -234,27 +225,33 @@ Block& MemoryWatch::free(std::uintptr_t address, const void* pc) {
   return *block;
 }
 
-// Whatever was done to it must happen before.
-void MemoryWatch::check_users(const Block& block, const void* pc) {
+const Touch* MemoryWatch::unordered_touch(const Cell& cell) const {
   const unsigned thread = state_.current();
   const Clock& now = state_.graph.thread(thread).now;
+  for (std::uint32_t number = cell.touches; number != 0;) {
+    const Touch& touch = state_.heap.touch(number);
+    if (touch.thread != thread && now.count[touch.thread] < touch.moment) return &touch;
+    number = touch.next;
+  }
+  return nullptr;
+}
+
+// Whatever was done to it must happen before.
+void MemoryWatch::check_users(const Block& block, const void* pc) {
   for (std::uintptr_t at = block.address & ~std::uintptr_t{7}; at < block.address + block.size;
        at += 8) {
     const Cell* cell = state_.heap.known_cell(at);
-    if (cell == nullptr || cell->toucher == thread + 1) continue;
-    for (std::uint32_t number = cell->touches; number != 0;) {
-      const Touch& touch = state_.heap.touch(number);
-      number = touch.next;
-      if (touch.thread == thread || now.count[touch.thread] >= touch.moment) continue;
-      state_.conclusion.report(
-          FindingKind::use_after_free,
-          this_actor() + " frees at {0} what thread " + std::to_string(touch.thread) + " still " +
-              (touch.writes ? "writes" : "reads") + " at {1} (allocated at {2}): nothing makes " +
-              "the access happen before",
-          {pc, touch.pc, block.allocated_at},
-          {allocation_of(block), moment_of(touch, "not ordered before the free at {0}"),
-           here(pc, "freed", "not ordered after {1}")});
-    }
+    if (cell == nullptr || cell->toucher == state_.current() + 1) continue;
+    const Touch* const touch = unordered_touch(*cell);
+    if (touch == nullptr) continue;
+    state_.conclusion.report(
+        FindingKind::use_after_free,
+        this_actor() + " frees at {0} what thread " + std::to_string(touch->thread) + " still " +
+            (touch->writes ? "writes" : "reads") + " at {1} (allocated at {2}): nothing makes " +
+            "the access happen before",
+        {pc, touch->pc, block.allocated_at},
+        {allocation_of(block), moment_of(*touch, "not ordered before the free at {0}"),
+         here(pc, "freed", "not ordered after {1}")});
   }
 }
 

@@ -29,8 +29,13 @@ class MemoryWatch {
   void check_race(const Cell& cell, const Touch& touch);
   void check_allocation(std::uintptr_t address, const Touch& touch);
   void check_frame(std::uintptr_t address, const Touch& touch);
+  [[noreturn]] void report_use_after_return(const Touch& touch, unsigned owner,
+                                            const Frames::Return& over);
   [[noreturn]] void report_unusable(std::uintptr_t eight_bytes, bool writes, bool atomic,
                                     const void* pc);
+  /// What another thread did there that does not happen before what the one in progress does now;
+  /// null if there is nothing of that kind.
+  [[nodiscard]] const Touch* unordered_touch(const Cell& cell) const;
   void check_users(const Block& block, const void* pc);
   [[nodiscard]] std::string this_actor() const;
   [[nodiscard]] Moment here(const void* pc, std::string what, std::string note = "") const;

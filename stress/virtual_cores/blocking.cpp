@@ -187,33 +187,40 @@ constexpr const char* semaphore_name = "a semaphore";
 
 // Each of these takes what `word` stands for, or returns what it holds instead.
 using Held = std::optional<std::uint32_t>;
-Held take_one(Object& semaphore, const void* pc) {
-  std::uint32_t& count = semaphore.word;
+Held take_one(std::uint32_t& count, const void* pc) {
   for (std::uint32_t seen = load(count, pc); seen != 0; seen = load(count, pc))
     if (swap_if(count, seen, seen - 1, pc)) return {};
-  expect(semaphore, semaphore_name, pc);
   return 0;
 }
-Held take_to_read(Object& lock, const void* pc) {
-  std::uint32_t& word = lock.word;
+Held take_to_read(std::uint32_t& word, const void* pc) {
   for (std::uint32_t seen = load(word, pc); seen != writer; seen = load(word, pc))
-    if (swap_if(word, seen, seen + 1, pc)) {
-      expect(lock, rwlock_name, pc);
-      return {};
-    }
+    if (swap_if(word, seen, seen + 1, pc)) return {};
   return writer;
 }
-Held take_to_write(Object& lock, const void* pc) {
-  while (!swap_if(lock.word, 0, writer, pc))
-    if (const std::uint32_t seen = load(lock.word, pc); seen != 0) return seen;
-  expect(lock, rwlock_name, pc);
+Held take_to_write(std::uint32_t& word, const void* pc) {
+  while (!swap_if(word, 0, writer, pc))
+    if (const std::uint32_t seen = load(word, pc); seen != 0) return seen;
   return {};
 }
 
+// What is taken, and of what.
+struct Taking {
+  Held (*from)(std::uint32_t& word, const void* pc);
+  const char* name;
+};
+constexpr Taking permit{take_one, semaphore_name};
+constexpr Taking reading{take_to_read, rwlock_name};
+constexpr Taking writing{take_to_write, rwlock_name};
+
+Held take(Object& object, const Taking& taking, const void* pc) {
+  const Held held = taking.from(object.word, pc);
+  expect(object, taking.name, pc);
+  return held;
+}
+
 // Sleeps at `object` until it is taken, or until the deadline if there is one.
-int take_in_time(Object& object, Held (*take)(Object&, const void*), const timespec* deadline,
-                 const void* pc) {
-  while (const Held held = take(object, pc))
+int take_in_time(Object& object, const Taking& taking, const timespec* deadline, const void* pc) {
+  while (const Held held = take(object, taking, pc))
     if (tenant().wait(address_of(&object.word), *held, until(deadline), pc) == Wake::timed_out)
       return ETIMEDOUT;
   return 0;
@@ -367,16 +374,16 @@ IRT_REDIRECTED int irt_vc_sem_post(sem_t* s) {
   return 0;
 }
 IRT_REDIRECTED int irt_vc_sem_wait(sem_t* s) {
-  return take_in_time(object_of(s, IRT_PC), take_one, nullptr, IRT_PC);
+  return take_in_time(object_of(s, IRT_PC), permit, nullptr, IRT_PC);
 }
 IRT_REDIRECTED int irt_vc_sem_timedwait(sem_t* s, const timespec* deadline) {
-  return set_errno(take_in_time(object_of(s, IRT_PC), take_one, deadline, IRT_PC));
+  return set_errno(take_in_time(object_of(s, IRT_PC), permit, deadline, IRT_PC));
 }
 IRT_REDIRECTED int irt_vc_sem_clockwait(sem_t* s, clockid_t, const timespec* deadline) {
-  return set_errno(take_in_time(object_of(s, IRT_PC), take_one, deadline, IRT_PC));
+  return set_errno(take_in_time(object_of(s, IRT_PC), permit, deadline, IRT_PC));
 }
 IRT_REDIRECTED int irt_vc_sem_trywait(sem_t* s) {
-  return set_errno(take_one(object_of(s, IRT_PC), IRT_PC) ? EAGAIN : 0);
+  return set_errno(take(object_of(s, IRT_PC), permit, IRT_PC) ? EAGAIN : 0);
 }
 IRT_REDIRECTED int irt_vc_sem_getvalue(sem_t* s, int* value) {
   const std::uint32_t count = load(object_of(s, IRT_PC).word, IRT_PC);
@@ -396,23 +403,23 @@ IRT_REDIRECTED int irt_vc_pthread_rwlock_destroy(pthread_rwlock_t* l) {
   destroy(object, rwlock_name, IRT_PC);
   return 0;
 }
-#define IRT_TAKE(kind, take)                                                                 \
+#define IRT_TAKE(kind, taking)                                                               \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_try##kind##lock(pthread_rwlock_t* l) {            \
-    return take(object_of(l, IRT_PC), IRT_PC) ? EBUSY : 0;                                   \
+    return take(object_of(l, IRT_PC), taking, IRT_PC) ? EBUSY : 0;                           \
   }                                                                                          \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_##kind##lock(pthread_rwlock_t* l) {               \
-    return take_in_time(object_of(l, IRT_PC), take, nullptr, IRT_PC);                        \
+    return take_in_time(object_of(l, IRT_PC), taking, nullptr, IRT_PC);                      \
   }                                                                                          \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_timed##kind##lock(pthread_rwlock_t* l,            \
                                                              const timespec* deadline) {     \
-    return take_in_time(object_of(l, IRT_PC), take, deadline, IRT_PC);                       \
+    return take_in_time(object_of(l, IRT_PC), taking, deadline, IRT_PC);                     \
   }                                                                                          \
   IRT_REDIRECTED int irt_vc_pthread_rwlock_clock##kind##lock(pthread_rwlock_t* l, clockid_t, \
                                                              const timespec* deadline) {     \
-    return take_in_time(object_of(l, IRT_PC), take, deadline, IRT_PC);                       \
+    return take_in_time(object_of(l, IRT_PC), taking, deadline, IRT_PC);                     \
   }
-IRT_TAKE(rd, take_to_read)
-IRT_TAKE(wr, take_to_write)
+IRT_TAKE(rd, reading)
+IRT_TAKE(wr, writing)
 #undef IRT_TAKE
 IRT_REDIRECTED int irt_vc_pthread_rwlock_unlock(pthread_rwlock_t* l) {
   std::uint32_t& word = object_of(l, IRT_PC).word;

@@ -106,7 +106,7 @@ BACK = [
     ("ms-queue", "testcase4", "known bug 1", "queue.c",
      r"(atomic_store_explicit\(&q->nodes\[node\]\.next, tmp, )release", r"\1relaxed"),
     ("ms-queue", "testcase2", "known bug 2", "queue.c",
-     r"(tail = atomic_load_explicit\(&q->tail, )acquire(\);\s*// XXX-injection-#8)", r"\1relaxed\2"),
+     r"(tail = atomic_load_explicit\(&q->tail, )acquire(\);\s*// \w+-injection-#8)", r"\1relaxed\2"),
 ]
 
 

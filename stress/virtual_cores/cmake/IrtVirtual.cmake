@@ -1,10 +1,11 @@
 # Code for virtual cores, in the tree and, installed, outside of it. Both have these targets:
 # irt_virtual_cores, the runtime, with the properties IRT_ROOT (what #include is relative to),
-# IRT_PUBLIC (where irt/explore.hpp is) and IRT_REDIRECTIONS (a file for objcopy); irt_virtual_library, what of the C++ library comes into a
-# module; irt_announcer, where GCC's plug-in headers were there, with IRT_FILE.
+# IRT_PUBLIC (where irt/explore.hpp is) and IRT_REDIRECTIONS (a file for objcopy);
+# irt_virtual_library, what of the C++ library comes into a module; irt_announcer, where GCC's plug-in headers were there, with IRT_FILE.
 
 # Compiles a target for virtual cores. What the code is told of the compiler and the machine stays as
-# in any other build; -mcx16 lets Clang make calls of 16-byte atomics.
+# in any other build; -mcx16 lets Clang make calls of 16-byte atomics. Where a function returns is
+# found by its frame pointer, which it still has if it does not end in a jump.
 # With UNANNOUNCED it is without the plug-in, as where its headers are not installed.
 function(irt_virtual_options target)
   get_target_property(root irt_virtual_cores IRT_ROOT)
@@ -17,7 +18,8 @@ function(irt_virtual_options target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -gdwarf-4 -fsanitize=thread -U__SANITIZE_THREAD__
     "SHELL:-include ${root}/stress/virtual_cores/prelude.hpp"
-    -ftls-model=global-dynamic -fno-omit-frame-pointer $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>
+    -ftls-model=global-dynamic -fno-omit-frame-pointer -fno-optimize-sibling-calls
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>
     $<$<CXX_COMPILER_ID:Clang>:-femulated-tls> $<$<CXX_COMPILER_ID:Clang>:-mcx16>
     $<$<CXX_COMPILER_ID:Clang>:-U__GCC_HAVE_SYNC_COMPARE_AND_SWAP_16>)
   # Calls that a compiler would expand into accesses which no hook announces.
@@ -55,9 +57,9 @@ function(irt_virtual_module name)
     set(unannounced UNANNOUNCED)
   endif()
   irt_virtual_options(${name}_objects ${unannounced})
-  # The end of a function's frame is found by its frame pointer, whatever the options say.
-  target_compile_options(${name}_objects PRIVATE ${ARG_OPTIONS} -fno-omit-frame-pointer
-    -fno-optimize-sibling-calls)
+  # Frames once more, in other words so that CMake repeats them: whatever the caller's options say.
+  target_compile_options(${name}_objects PRIVATE ${ARG_OPTIONS}
+    "SHELL:-fno-omit-frame-pointer -fno-optimize-sibling-calls")
   get_target_property(redirections irt_virtual_cores IRT_REDIRECTIONS)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.so)
   if(ARG_OUTPUT)
