@@ -1,6 +1,7 @@
-// finds: failure
+// finds with -DWRONG: failure
 // pmodels/argobots#178: a node leaves the free list and comes back between another thread's look
-// at it and its exchange of the head, which then installs a successor that is in use
+// at it and its exchange of the head, which then installs a successor that is in use. Right: the
+// head carries a tag that every exchange raises
 #include <array>
 #include <atomic>
 #include <cassert>
@@ -8,23 +9,35 @@
 
 struct FreeList {
   static constexpr unsigned none = 3;
+  static constexpr unsigned tag = 4;
   std::array<std::atomic<unsigned>, none> next{1, 2, none};
   std::atomic<unsigned> head{0};
 
+  static unsigned index(unsigned tagged) { return tagged % tag; }
+#if defined(WRONG)
+  static unsigned retagged(unsigned, unsigned node) {
+    return node;
+  }
+#else
+  static unsigned retagged(unsigned tagged, unsigned node) {
+    return tagged - index(tagged) + tag + node;
+  }
+#endif
+
   unsigned take() {
     unsigned first = head.load();
-    while (first != none) {
-      const unsigned second = next[first].load();
-      if (head.compare_exchange_strong(first, second)) break;
+    while (index(first) != none) {
+      const unsigned second = next[index(first)].load();
+      if (head.compare_exchange_strong(first, retagged(first, second))) break;
     }
-    return first;
+    return index(first);
   }
 
   void give(unsigned node) {
     unsigned first = head.load();
     do {
-      next[node].store(first);
-    } while (!head.compare_exchange_strong(first, node));
+      next[node].store(index(first));
+    } while (!head.compare_exchange_strong(first, retagged(first, node)));
   }
 };
 

@@ -1,6 +1,7 @@
-// finds: use after free
+// finds with -DWRONG: use after free
 // kcenon/thread_system#600 (pull 602): a reader announces its pointer by a release store, which
-// the second look at the head may overtake, so that the scan misses it
+// the second look at the head may overtake, so that the scan misses it. Right: a fence keeps the
+// second look at the head behind the announcement
 #include <atomic>
 #include <thread>
 
@@ -16,13 +17,18 @@ struct Stack {
     Node* seen = head.load(std::memory_order_acquire);
     while (true) {
       hazard.store(seen, std::memory_order_release);
+#if !defined(WRONG)
+      std::atomic_thread_fence(std::memory_order_seq_cst);
+#endif
       Node* const again = head.load(std::memory_order_acquire);
       if (again == seen) return seen;
       seen = again;
     }
   }
 
-  void unprotect() { hazard.store(nullptr, std::memory_order_release); }
+  void unprotect() {
+    hazard.store(nullptr, std::memory_order_release);
+  }
 
   Node* replace_and_scan(Node* fresh) {
     Node* const old = head.exchange(fresh, std::memory_order_acq_rel);

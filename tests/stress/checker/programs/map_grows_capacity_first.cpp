@@ -1,6 +1,8 @@
-// finds: access out of bounds
+// finds with -DWRONG: access out of bounds
 // apache/bookkeeper#1606: a growing map publishes its new capacity before the table of that size,
-// and a reader that holds no lock indexes the old table by the new capacity
+// and a reader that holds no lock indexes the old table by the new capacity. Right: the larger
+// table is published before its capacity, so that who sees the new capacity sees the table of that
+// size
 #include <atomic>
 #include <thread>
 
@@ -16,8 +18,13 @@ struct Map {
     larger[3].store(old[1].load(std::memory_order_relaxed), std::memory_order_relaxed);
     stamp.store(1, std::memory_order_relaxed);
     std::atomic_thread_fence(std::memory_order_release);
-    capacity.store(4, std::memory_order_release);
+#if !defined(WRONG)
     table.store(larger, std::memory_order_release);
+#endif
+    capacity.store(4, std::memory_order_release);
+#if defined(WRONG)
+    table.store(larger, std::memory_order_release);
+#endif
     stamp.store(2, std::memory_order_release);
     return old;
   }

@@ -1,6 +1,7 @@
-// finds: deadlock
+// finds with -DWRONG: deadlock
 // bshoshany/thread-pool#93 and pull 108: the pool's end sets its flag and notifies without the
-// mutex, between a worker's check and its sleep
+// mutex, between a worker's check and its sleep. Right: the pool's end sets its flag under the
+// mutex, so that no worker is between its check and its sleep
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -25,7 +26,14 @@ struct Pool {
   }
 
   ~Pool() {
+#if defined(WRONG)
     running = false;
+#else
+    {
+      const std::scoped_lock lock(mutex);
+      running = false;
+    }
+#endif
     changed.notify_all();
     worker.join();
   }

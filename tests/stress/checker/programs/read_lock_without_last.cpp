@@ -1,6 +1,7 @@
-// finds: deadlock
+// finds with -DWRONG: deadlock
 // zephyr#60145 (pull 60231): readers that leave look whether they are the last before they count
-// themselves out, so that none finds itself the last and the writer sleeps on
+// themselves out, so that none finds itself the last and the writer sleeps on. Right: the step
+// that counts a reader out says whether it was the last
 #include <atomic>
 #include <cassert>
 #include <semaphore>
@@ -16,12 +17,20 @@ struct GuardedValue {
   }
 
   void unlock_shared() {
+#if defined(WRONG)
     if (readers.load() == 1) free.release();
     readers.fetch_sub(1);
+#else
+    if (readers.fetch_sub(1) == 1) free.release();
+#endif
   }
 
-  void lock() { free.acquire(); }
-  void unlock() { free.release(); }
+  void lock() {
+    free.acquire();
+  }
+  void unlock() {
+    free.release();
+  }
 };
 
 int main() {

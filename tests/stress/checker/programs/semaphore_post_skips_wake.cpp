@@ -1,6 +1,7 @@
-// finds: deadlock
+// finds with -DWRONG: deadlock
 // Jiu-xiao/libxr#264: post wakes nobody if there is a permit already, but the waiter that permit
-// was for need not have taken it yet, and a second one sleeps on
+// was for need not have taken it yet, and a second one sleeps on. Right: every post wakes a
+// waiter, however many permits there are
 #include <atomic>
 #include <thread>
 
@@ -8,7 +9,12 @@ struct Semaphore {
   std::atomic<unsigned> permits{0};
 
   void post() {
+#if defined(WRONG)
     if (permits.fetch_add(1) == 0) permits.notify_one();
+#else
+    permits.fetch_add(1);
+    permits.notify_one();
+#endif
   }
 
   void wait() {

@@ -1,6 +1,7 @@
-// finds: failure
+// finds with -DWRONG: failure
 // python/cpython#121368: the reader's second look at the sequence is no fence after its reads, so
-// that it accepts a torn entry
+// that it accepts a torn entry. Right: a fence lies between the reads and the second look at the
+// sequence
 #include <atomic>
 #include <cassert>
 #include <thread>
@@ -24,8 +25,13 @@ struct CachedEntry {
     if (before % 2 != 0) return false;
     seen_key = key.load(std::memory_order_relaxed);
     seen_value = value.load(std::memory_order_relaxed);
+#if defined(WRONG)
     // An acquire load orders only what follows it: the two reads above may still move below.
     return sequence.load(std::memory_order_acquire) == before;
+#else
+    std::atomic_thread_fence(std::memory_order_acquire);
+    return sequence.load(std::memory_order_relaxed) == before;
+#endif
   }
 };
 

@@ -1,6 +1,7 @@
-// finds: data race
+// finds with -DWRONG: data race
 // rust-lang/rust#51780: Arc::get_mut finds itself the only owner by a relaxed load, so what the
-// last other owner wrote did not happen before
+// last other owner wrote did not happen before. Right: the load that finds the sole owner acquires
+// what the others released
 #include <atomic>
 #include <thread>
 
@@ -15,7 +16,11 @@ struct Counted {
   }
 
   int* value_if_sole_owner() {
+#if defined(WRONG)
     if (owners.load(std::memory_order_relaxed) != 1) return nullptr;
+#else
+    if (owners.load(std::memory_order_acquire) != 1) return nullptr;
+#endif
     return &value;
   }
 };

@@ -1,6 +1,7 @@
-// finds: use after free
+// finds with -DWRONG: use after free
 // dnp3/opendnp3#106: the setter notifies after its unlock, when the waiter may have found the
-// value without a sleep and destroyed the condition variable
+// value without a sleep and destroyed the condition variable. Right: the setter notifies under the
+// mutex, so that the waiter cannot find the value before the notification is over
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -12,11 +13,17 @@ struct Awaited {
   int value = 0;
 
   void set(int fresh) {
+#if defined(WRONG)
     {
       const std::scoped_lock lock(mutex);
       value = fresh;
       is_set = true;
     }
+#else
+    const std::scoped_lock lock(mutex);
+    value = fresh;
+    is_set = true;
+#endif
     changed.notify_all();
   }
 
