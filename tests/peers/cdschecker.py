@@ -10,17 +10,10 @@ here, with irt_virtual_module(), and nothing of them is kept. `./irt check` must
 once.
 """
 
-import argparse
-import json
-import pathlib
 import re
 import shutil
-import subprocess
-import sys
 
-HERE = pathlib.Path(__file__).resolve().parents[2]
-BUILD = HERE / "build" / "peers" / "cdschecker"
-DEVELOPMENT = HERE / "build" / "development"
+import peers
 
 # What the benchmarks take from CDSChecker. Its threads return nothing, and its plain accesses are
 # calls; the names of <atomic> are global there, and a condition variable waits with a bare mutex.
@@ -89,7 +82,6 @@ struct peers_condition_variable : condition_variable {
 #define condition_variable peers_condition_variable
 """,
 }
-MAIN = 'int user_main(int, char **);\nint main(int argc, char **argv) { return user_main(argc, argv); }\n'
 
 # folder/client: (what is known, whether it must be accused)
 KNOWN = {
@@ -141,9 +133,8 @@ def cases(suite):
                            (file, text, replacement), ("bug, brought back", True))
 
 
-def copied(case, number):
+def copied(case, to):
     """The program, in a folder of its own, as C++20 or C17 takes it."""
-    to = BUILD / "programs" / str(number)
     shutil.copytree(case.suite / case.folder, to)
     for path in to.iterdir():
         if path.suffix not in (".c", ".cc", ".h"):
@@ -154,87 +145,28 @@ def copied(case, number):
         if case.edit and case.edit[0] == path.name:
             text, count = re.subn(case.edit[1], case.edit[2], text)
             if count != 1:
-                sys.exit(f"tests/peers/cdschecker.py: {case.name}: {count} places to edit, not 1")
+                peers.stop(f"{case.name}: {count} places to edit, not 1")
         path.write_text(text)
     with open(to / case.sources[0], "a") as client:
-        client.write(MAIN.replace("int user_main(int, char **);\n", ""))
+        client.write("int main(int argc, char **argv) { return user_main(argc, argv); }\n")
     return [to / s for s in case.sources]
 
 
-def project(all_cases):
-    shutil.rmtree(BUILD / "programs", ignore_errors=True)
-    lines = ["cmake_minimum_required(VERSION 3.25)", "project(peers LANGUAGES C CXX)",
-             "find_package(irt REQUIRED)", "set(CMAKE_CXX_STANDARD 20)", "set(CMAKE_C_STANDARD 17)",
-             "include_directories(BEFORE ${CMAKE_CURRENT_SOURCE_DIR}/shim)",
-             "add_custom_target(everything ALL)"]
-    for number, case in enumerate(all_cases):
-        sources = " ".join(f'"{s}"' for s in copied(case, number))
-        lines.append(f'irt_virtual_module(t{number} SOURCES {sources} OPTIONS -O0 -g -w -fpermissive '
-                     f'-I{case.suite / "include"} {case.flags})')
-        lines.append(f"add_dependencies(everything t{number})")
-    (BUILD / "shim").mkdir(parents=True, exist_ok=True)
-    for name, text in HEADERS.items():
-        (BUILD / "shim" / name).write_text(text)
-    (BUILD / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
-    for old in (BUILD / "build").glob("t*.so"):  # perhaps of another program of that number
-        old.unlink()
-    with open(BUILD / "build.log", "w") as log:
-        subprocess.run(["cmake", "-G", "Ninja", "-S", BUILD, "-B", BUILD / "build",
-                        f"-DCMAKE_PREFIX_PATH={DEVELOPMENT}"], stdout=log, stderr=log, check=True)
-        subprocess.run(["ninja", "-k", "0", "-C", BUILD / "build", "everything"], stdout=log, stderr=log)
-
-
-def run(number, name, seconds):
-    module = BUILD / "build" / f"t{number}.so"
-    if not module.exists():
-        return {"verdict": "does not compile"}
-    result = BUILD / "result.json"
-    result.unlink(missing_ok=True)
-    try:
-        ran = subprocess.run([DEVELOPMENT / "lib" / "irt" / "irt-check", "--program", name, "--module",
-                              module, "--json", result, "--no-leaks", "--seconds", str(seconds),
-                              "--quiet"], capture_output=True, text=True, timeout=seconds + 120)
-    except subprocess.TimeoutExpired:
-        return {"verdict": "hangs"}
-    (BUILD / f"t{number}.txt").write_text(ran.stdout + ran.stderr)
-    if not result.exists():
-        return {"verdict": (ran.stderr.strip().splitlines() or ["?"])[-1]}
-    searches = json.loads(result.read_text())["searches"]
-    whole = [s for s in searches if s["search"] == "exhaustive" and s["finished"]]
-    found = [s["finding"]["kind"] for s in searches if "finding" in s]
-    return {"verdict": found[0] if found else "whole" if whole else "not whole", "found": bool(found),
-            "executions": sum(s["executions"] for s in searches),
-            "seconds": sum(s["seconds"] for s in searches)}
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path, nargs="+")
-    parser.add_argument("--only", default="", help="a benchmark, or one client of it")
-    parser.add_argument("--seconds", type=float, default=20)
-    parser.add_argument("--out", type=pathlib.Path)
-    options = parser.parse_args()
-    if not (DEVELOPMENT / "lib" / "irt" / "irt-check").exists():
-        sys.exit("tests/peers/cdschecker.py: irt-check is not built; ./irt check builds it")
+    options = peers.arguments(__doc__, "a benchmark, or one client of it", 20, nargs="+")
     all_cases = [c for f in options.folder for c in cases(f.resolve()) if options.only in c.name]
-    project(all_cases)
-    table = ["| benchmark | known | verdict | | executions | seconds |", "|---|---|---|---|---|---|"]
-    differs = False
+    project = peers.Project("cdschecker", HEADERS)
     for number, case in enumerate(all_cases):
-        result = run(number, case.name, options.seconds)
-        if "found" not in result:
-            state = "not run"
-        elif result["found"] != case.wrong:
-            state = "DIFFERS" if result["found"] or result["verdict"] == "whole" else "not whole"
-        else:
-            state = "agrees" if result["found"] or result["verdict"] == "whole" else "not whole"
+        project.add(f"t{number}", copied(case, project.folder / "programs" / str(number)),
+                    f'-O0 -g -w -fpermissive -I{case.suite / "include"} {case.flags}')
+    project.build()
+    table, differs = peers.TABLE[:], False
+    for number, case in enumerate(all_cases):
+        result = project.check(f"t{number}", case.name, options.seconds)
+        state = peers.judged(result, case.wrong)
         differs |= state == "DIFFERS"
-        table.append(f"| {case.name} | {case.known} | {result['verdict']} | {state} | "
-                     f"{result.get('executions', '')} | {result.get('seconds', 0):.1f} |")
-        print(table[-1], flush=True)
-    if options.out:
-        options.out.write_text("\n".join(table) + "\n")
-    sys.exit(differs)
+        peers.add_row(table, case.name, case.known, result, state)
+    peers.finish(table, options.out, differs)
 
 
 main()

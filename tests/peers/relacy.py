@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs Relacy's own examples and tests, where its folder is given, under `irt check`.
 
-    tests/peers/relacy.py FOLDER [--only peterson] [--seconds 20] [--out table.md] [--irt FOLDER]
+    tests/peers/relacy.py FOLDER [--only peterson] [--seconds 20] [--out table.md]
 
 FOLDER is a checkout of dvyukov/relacy. The programs are translated by their types only: rl::atomic
 is std::atomic, rl::var a plain variable, and a test suite a main() that starts its threads. What a
@@ -10,15 +10,10 @@ accused, and of that, and the rest must not be. A file is compiled once, with ir
 and the suite is chosen by main's argument; nothing is kept. `./irt check` must have been called once.
 """
 
-import argparse
-import json
 import pathlib
 import re
-import shutil
-import subprocess
-import sys
 
-HERE = pathlib.Path(__file__).resolve().parents[2]
+import peers
 
 # What stands for Relacy. Its `$` is where a call stands, and of no use here. Plain variables Relacy
 # does not see and does not interrupt: where they only count, they are `unseen`, relaxed atomics. Java's
@@ -422,7 +417,6 @@ def cases(folder, results):
                 yield Case(file, function + "()", "success")
 
 
-
 def translated(folder, file, suites):
     """The file without its main() and its headers, with a main() for our `suites` of it."""
     text = (folder / file).read_text(errors="replace")
@@ -434,107 +428,44 @@ def translated(folder, file, suites):
     for old, new in EDITS.get(file, []):
         text, count = re.subn(old, new, text)
         if not count:
-            sys.exit(f"tests/peers/relacy.py: {file}: nothing to edit")
+            peers.stop(f"{file}: nothing to edit")
     calls = "".join(f"    case {i}: return {s}, 0;\n" if s.endswith("()") else
                     f"    case {i}: return rl::run<{s}>();\n" for i, s in enumerate(suites))
     return f'#include "relacy.hpp"\n#line 1 "{file}"\n{text}\nint main(int, char** argv) {{\n' \
            f"  switch (argv[1][0] - 'a') {{\n{calls}  }}\n}}\n"
 
 
-def project(folder, build, irt, all_cases, results):
-    shutil.rmtree(build / "programs", ignore_errors=True)
-    (build / "programs").mkdir(parents=True)
+def main():
+    options = peers.arguments(__doc__, "a file, or one suite of it", 20)
+    folder = options.folder.resolve()
+    results = re.findall(r"^\s*test_result_(\w+),", (folder / "relacy" / "test_result.hpp").read_text(),
+                         re.M)
+    all_cases = [c for c in cases(folder, results) if options.only in c.name]
     includes = "\n".join(f"#include <{header}>" for header in INCLUDES.split())
     enum = ", ".join(f"test_result_{r}" for r in results)
-    shim = SHIM.replace("INCLUDES", includes).replace("RESULTS", enum)
-    (build / "programs" / "relacy.hpp").write_text(shim)
-    lines = ["cmake_minimum_required(VERSION 3.25)", "project(peers LANGUAGES C CXX)",
-             "find_package(irt REQUIRED)", "set(CMAKE_CXX_STANDARD 20)",
-             "add_custom_target(everything ALL)"]
+    project = peers.Project("relacy", {
+        "relacy.hpp": SHIM.replace("INCLUDES", includes).replace("RESULTS", enum)})
     for module in dict.fromkeys(c.module for c in all_cases if not c.untranslated):
         same = [c for c in all_cases if c.module == module and not c.untranslated]
         for number, case in enumerate(same):
             case.argument = chr(ord("a") + number)
-        source = build / "programs" / f"{module}.cpp"
+        source = project.folder / f"{module}.cpp"
         source.write_text(translated(folder, same[0].file, [c.suite for c in same]))
-        lines.append(f'irt_virtual_module({module} SOURCES "{source}" '
-                     'OPTIONS -O0 -g -w -fpermissive -mcx16)')
-        lines.append(f"add_dependencies(everything {module})")
-    (build / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
-    for old in (build / "build").glob("*.so"):
-        old.unlink()
-    with open(build / "build.log", "w") as log:
-        subprocess.run(["cmake", "-G", "Ninja", "-S", build, "-B", build / "build",
-                        f"-DCMAKE_PREFIX_PATH={irt}"], stdout=log, stderr=log, check=True)
-        subprocess.run(["ninja", "-k", "0", "-j", "1", "-C", build / "build", "everything"],
-                       stdout=log, stderr=log)
-
-
-def run(case, build, irt, seconds):
-    if case.untranslated:
-        return {"verdict": "not translated: " + case.untranslated[0]}
-    module = build / "build" / f"{case.module}.so"
-    if not module.exists():
-        return {"verdict": "does not compile"}
-    result = build / "result.json"
-    result.unlink(missing_ok=True)
-    try:
-        ran = subprocess.run([irt / "lib" / "irt" / "irt-check", "--program", case.name, "--module",
-                              module, "--json", result, "--no-leaks", "--threads", "15", "--seconds",
-                              str(seconds), "--quiet", *(["--weak"] if case.weak else []), "--",
-                              case.argument], capture_output=True, text=True, timeout=seconds + 120)
-    except subprocess.TimeoutExpired:
-        return {"verdict": "hangs"}
-    (build / f"{case.module}.{case.argument}.txt").write_text(ran.stdout + ran.stderr)
-    if not result.exists():
-        return {"verdict": (ran.stderr.strip().splitlines() or ["?"])[-1]}
-    searches = json.loads(result.read_text())["searches"]
-    whole = [s for s in searches if s["search"] == "exhaustive" and s["finished"]]
-    found = [s["finding"]["kind"] for s in searches if "finding" in s]
-    return {"verdict": found[0] if found else "whole" if whole else "not whole", "found": bool(found),
-            "executions": sum(s["executions"] for s in searches),
-            "seconds": sum(s["seconds"] for s in searches)}
-
-
-def judged(case, result):
-    if "found" not in result:
-        return "not run"
-    if case.known == "right":
-        return "DIFFERS" if result["found"] else "agrees" if result["verdict"] == "whole" else "not whole"
-    if result["found"]:
-        return "agrees" if result["verdict"] in ACCUSED.get(case.known, [result["verdict"]]) else "DIFFERS"
-    return "DIFFERS" if result["verdict"] == "whole" else "not whole"
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--only", default="", help="a file, or one suite of it")
-    parser.add_argument("--seconds", type=float, default=20)
-    parser.add_argument("--out", type=pathlib.Path)
-    parser.add_argument("--irt", type=pathlib.Path, default=HERE / "build" / "development")
-    parser.add_argument("--build", type=pathlib.Path, default=HERE / "build" / "peers" / "relacy")
-    options = parser.parse_args()
-    folder, irt, build = options.folder.resolve(), options.irt.resolve(), options.build.resolve()
-    if not (irt / "lib" / "irt" / "irt-check").exists():
-        sys.exit("tests/peers/relacy.py: irt-check is not built; ./irt check builds it")
-    results = re.findall(r"^\s*test_result_(\w+),", (folder / "relacy" / "test_result.hpp").read_text(), re.M)
-    all_cases = [c for c in cases(folder, results) if options.only in c.name]
-    project(folder, build, irt, all_cases, results)
-    table = ["| program | known | verdict | | executions | seconds |", "|---|---|---|---|---|---|"]
-    differs = False
+        project.add(module, [source], "-O0 -g -w -fpermissive -mcx16")
+    project.build()
+    table, differs = peers.TABLE[:], False
     for case in all_cases:
-        result = run(case, build, irt, options.seconds)
-        state = judged(case, result)
+        if case.untranslated:
+            result = {"verdict": "not translated: " + case.untranslated[0]}
+        else:
+            result = project.check(case.module, case.name, options.seconds,
+                                   *(["--weak"] if case.weak else []), "--", case.argument)
+        state = peers.judged(result, case.known != "right", ACCUSED.get(case.known))
         if state == "DIFFERS" and case.name in REASONS:
             state = "differs: " + REASONS[case.name]
         differs |= state == "DIFFERS"
-        table.append(f"| {case.name} | {case.known} | {result['verdict']} | {state} | "
-                     f"{result.get('executions', '')} | {result.get('seconds', 0):.1f} |")
-        print(table[-1], flush=True)
-    if options.out:
-        options.out.write_text("\n".join(table) + "\n")
-    sys.exit(differs)
+        peers.add_row(table, case.name, case.known, result, state)
+    peers.finish(table, options.out, differs)
 
 
 main()
