@@ -121,8 +121,8 @@ void MemoryWatch::leave(std::uintptr_t frame_end, const void* pc) {
   while (const auto address = frames_.take_touched(thread, frame_end)) {
     Cell& cell = state_.heap.cell(*address);
     if (const Touch* touch = unordered_touch(cell)) report_use_after_return(*touch, thread, over);
-    cell.touches = 0;  // what comes next is another variable
-    cell.toucher = cell.read = cell.written = 0;
+    cell.touches = 0;  // what comes next is another variable, in memory that several have touched
+    cell.read = cell.written = 0;
   }
   frames_.leave(thread, over);
 }
