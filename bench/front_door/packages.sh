@@ -19,6 +19,8 @@ declare -A package_purpose=(
   [libtinyobjloader-dev]='reads OBJ scenes'
   [libhwy-dev]='SIMD that suits the processor it runs on'
   [libgtest-dev]='GoogleTest, for the tests'
+  [doctest-dev]='doctest, in which irt::explore is tested'
+  [catch2]='Catch2, in which irt::explore is tested'
   [libboost-context-dev]='fibers: the virtual cores of irt check and irt simulate'
   [$gcc_plugin]='irt check sees what GCC alone does not announce'
   [gnuplot-nox]='draws the plots of irt report --plots'
@@ -47,7 +49,7 @@ packages_test=("${packages_tools[@]}" libgtest-dev "$gcc_plugin")
 packages_comparators=(libcds-dev libboost-thread-dev libconcurrentqueue-dev libatomic-queue-dev
   liburcu-dev libck-dev libreaderwriterqueue-dev)
 packages_full=("${packages_test[@]}" clang libclang-rt-dev "${packages_comparators[@]}"
-  libbenchmark-dev libpfm4-dev valgrind gnuplot-nox chromium)
+  libbenchmark-dev libpfm4-dev catch2 doctest-dev valgrind gnuplot-nox chromium)
 # What a target does without where it cannot be installed.
 declare -A optional_packages=([irt-check]=$gcc_plugin [irt-simulate]=$gcc_plugin
   [irt-counted]=$gcc_plugin [irt-tracer-bench]=libembree-dev [irt-report]=gnuplot-nox

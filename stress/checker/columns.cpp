@@ -66,7 +66,7 @@ class Columns {
     std::map<std::string, unsigned> lines;
     for (EventId id = 0; id < graph_.size(); ++id)
       if (const symbols::Line& source = symbols_.at(graph_.event(id).pc); source.number != 0)
-        if (!symbols::is_standard_library(source.file) && ++lines[source.file] > lines[file_])
+        if (!symbols::is_foreign(source.file) && ++lines[source.file] > lines[file_])
           file_ = source.file;
   }
 

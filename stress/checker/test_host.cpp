@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <iostream>
+#include <pthread.h>
 #include <unistd.h>
 
 #include "stress/checker/child.hpp"
@@ -53,8 +54,20 @@ ProgramSettings settings_of(void (*body)(void*), void* argument, const irt_explo
   return settings;
 }
 
-Answer explored(const ProgramSettings& settings) {
-  tests->remember_globals();
+/// What is on the stack of this thread above `frame`.
+virtual_cores::Range stack_above(const void* frame) {
+  pthread_attr_t attributes;
+  void* lowest = nullptr;
+  std::size_t size = 0;
+  pthread_getattr_np(pthread_self(), &attributes);
+  pthread_attr_getstack(&attributes, &lowest, &size);
+  pthread_attr_destroy(&attributes);
+  return {reinterpret_cast<std::uintptr_t>(frame), reinterpret_cast<std::uintptr_t>(lowest) + size};
+}
+
+Answer explored(const ProgramSettings& settings, virtual_cores::Range stack) {
+  // A framework and the variables of a test are changed by the body, too.
+  tests->remember_memory({stack});
   const auto again = [](const std::string& schedule) {
     return "the same command, with IRT_REPLAY='" + schedule + "' before it";
   };
@@ -80,13 +93,13 @@ Answer explored(const ProgramSettings& settings) {
 }
 
 /// In a process of its own: explorations leave nothing behind for the tests after it.
-Answer explored_elsewhere(const ProgramSettings& settings) {
+Answer explored_elsewhere(const ProgramSettings& settings, virtual_cores::Range stack) {
   std::cout.flush();
   std::fflush(nullptr);
   Child child([&](int line) {
     Answer answer;
     try {
-      answer = explored(settings);
+      answer = explored(settings, stack);
     } catch (const std::exception& error) {
       answer.wrong = error.what();
     }
@@ -103,7 +116,7 @@ Answer explored_elsewhere(const ProgramSettings& settings) {
 }  // namespace
 
 int run_tests(const std::string& file, const std::vector<std::string>& arguments) {
-  virtual_cores::Module module(file);
+  virtual_cores::Module module(file, virtual_cores::Module::Constructs::with_main);
   tests = &module;
   std::vector<std::string> words = arguments;
   std::vector<char*> names;
@@ -126,7 +139,7 @@ extern "C" __attribute__((visibility("default"))) void irt_explore(void (*body)(
                                                                    irt_explored* explored) {
   static std::string wrong;
   const irt::checker::ProgramSettings settings = irt::checker::settings_of(body, argument, *how);
-  const irt::checker::Answer answer = irt::checker::explored_elsewhere(settings);
+  const irt::checker::Answer answer = irt::checker::explored_elsewhere(settings, irt::checker::stack_above(__builtin_frame_address(0)));
   wrong = answer.wrong;
   *explored = {answer.executions, answer.whole, wrong.empty() ? nullptr : wrong.c_str()};
 }

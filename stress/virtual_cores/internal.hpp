@@ -96,6 +96,9 @@ inline std::int64_t until(const timespec* deadline) {
   return left < 0 ? 0 : left;
 }
 
+/// The name of a function or type as the code says it.
+std::string demangled(const char* name);
+
 /// Says that the next atomic operation is the runtime's own (hooks.cpp).
 void forget_registers();
 

@@ -7,9 +7,11 @@
 #include <fstream>
 #include <link.h>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <unistd.h>
+#include <unordered_map>
 
 #include "stress/virtual_cores/harmless.hpp"
 #include "stress/virtual_cores/internal.hpp"
@@ -61,29 +63,34 @@ int find_library_data(dl_phdr_info* info, std::size_t, void* result) {
   return 0;
 }
 
-// What constructors of global variables allocate while the code is loaded. It lasts as long as the
-// code, like the variables that lead to it.
-class Loading final : public Tenant {
+// What the code allocates while it runs natively: constructors of global variables while it is loaded,
+// and its main where that is no program to explore. It lasts as long as the code, like the variables
+// that lead to it, or until the code frees it.
+class Native final : public Tenant {
  public:
-  Loading() : before_(active) { active = this; }
-  Loading(const Loading&) = delete;
-  Loading& operator=(const Loading&) = delete;
-  ~Loading() override { active = before_; }
+  Native() : before_(active) { active = this; }
+  Native(const Native&) = delete;
+  Native& operator=(const Native&) = delete;
+  ~Native() override { active = before_; }
 
   void* allocate(std::size_t size, std::size_t alignment, const void* pc) override {
     void* block = Tenant::allocate(size, alignment, pc);
-    if (block != nullptr) blocks_.push_back({address_of(block), address_of(block) + size});
+    if (block != nullptr) blocks_[address_of(block)] = address_of(block) + size;
     return block;
   }
   void release(void* block, const void* pc) override {
-    std::erase_if(blocks_, [block](Range b) { return b.begin == address_of(block); });
+    blocks_.erase(address_of(block));
     Tenant::release(block, pc);
   }
-  [[nodiscard]] const std::vector<Range>& blocks() const { return blocks_; }
+  [[nodiscard]] std::vector<Range> blocks() const {
+    std::vector<Range> ranges;
+    for (const auto& [begin, end] : blocks_) ranges.push_back({begin, end});
+    return ranges;
+  }
 
  private:
   Tenant* before_;
-  std::vector<Range> blocks_;
+  std::unordered_map<std::uintptr_t, std::uintptr_t> blocks_;
 };
 
 // Where the loaded file has what irt_virtual_module() has taken from .init_array; empty if nothing.
@@ -107,14 +114,14 @@ Range constructors_of(const std::string& path, std::uintptr_t offset) {
   return {};
 }
 
+}  // namespace
+
 std::string demangled(const char* name) {
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> text(
       abi::__cxa_demangle(name, nullptr, nullptr, &status), std::free);
   return status == 0 ? text.get() : name;
 }
-
-}  // namespace
 
 bool is_of_library(std::uintptr_t address) {
   static const std::vector<Range> variables = [] {
@@ -132,38 +139,37 @@ struct Module::State {
   void* handle = nullptr;
   const link_map* map = nullptr;
   Globals globals{};
-  std::vector<Range> memory{};  // the globals, and what their constructors allocated
+  std::optional<Native> native{};
+  std::vector<Range> memory{};  // what is put back, in the order of addresses
   std::vector<char> initial{};
   std::vector<Constructor> constructors{};
 };
 
 Module::Module(const std::string& file, Constructs when) : state_(new State{.file = file}) {
-  {
-    const Loading loading;
-    // A name without a folder would be looked for elsewhere.
-    const std::string path = std::filesystem::absolute(file);
-    state_->handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (state_->handle == nullptr)
-      throw std::runtime_error(std::string("virtual cores: ") + dlerror());
-    dlinfo(state_->handle, RTLD_DI_LINKMAP, &state_->map);
-    const Range constructors = constructors_of(path, state_->map->l_addr);
-    for (std::uintptr_t at = constructors.begin; at < constructors.end; at += sizeof(Constructor))
-      state_->constructors.push_back(*reinterpret_cast<const Constructor*>(at));
-    if (when == Constructs::once) {
-      for (const Constructor construct : state_->constructors) construct(0, nullptr, environ);
-      state_->constructors.clear();
-    }
-    state_->memory = loading.blocks();
+  state_->native.emplace();
+  // A name without a folder would be looked for elsewhere.
+  const std::string path = std::filesystem::absolute(file);
+  state_->handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (state_->handle == nullptr)
+    throw std::runtime_error(std::string("virtual cores: ") + dlerror());
+  dlinfo(state_->handle, RTLD_DI_LINKMAP, &state_->map);
+  const Range constructors = constructors_of(path, state_->map->l_addr);
+  for (std::uintptr_t at = constructors.begin; at < constructors.end; at += sizeof(Constructor))
+    state_->constructors.push_back(*reinterpret_cast<const Constructor*>(at));
+  if (when != Constructs::each_program) {
+    for (const Constructor construct : state_->constructors) construct(0, nullptr, environ);
+    state_->constructors.clear();
   }
   std::pair<std::uintptr_t, Globals> search{state_->map->l_addr, {}};
   dl_iterate_phdr(find_globals, &search);
   state_->globals = search.second;
-  state_->memory.push_back(state_->globals);
-  state_->initial = image();
+  remember_memory();
+  if (when != Constructs::with_main) state_->native.reset();
 }
 
 Module::~Module() {
-  reset_globals();  // destructors of global variables must not see what a tenant's heap held
+  // Destructors of global variables must not see what a tenant's heap held.
+  if (!state_->native) reset_globals();
   dlclose(state_->handle);
 }
 
@@ -181,7 +187,11 @@ void* Module::find_any(const std::vector<std::string>& symbols) const {
   return find(symbols.front());
 }
 
-void Module::remember_globals() {
+void Module::remember_memory(const std::vector<Range>& others) {
+  state_->memory = state_->native->blocks();
+  state_->memory.push_back(state_->globals);
+  state_->memory.insert(state_->memory.end(), others.begin(), others.end());
+  std::ranges::sort(state_->memory, {}, &Range::begin);
   state_->initial = image();
 }
 
@@ -207,9 +217,8 @@ void Module::restore(const std::vector<char>& image) {
 }
 
 bool Module::owns_global(std::uintptr_t address) const {
-  return std::ranges::any_of(state_->memory, [address](Range range) {
-    return address >= range.begin && address < range.end;
-  });
+  const auto after = std::ranges::upper_bound(state_->memory, address, {}, &Range::begin);
+  return after != state_->memory.begin() && address < std::prev(after)->end;
 }
 
 const std::vector<Range>& Module::globals() const {

@@ -57,8 +57,10 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-bool is_standard_library(const std::string& file) {
-  return file.find("/c++/") != std::string::npos || file.find("/bits/") != std::string::npos;
+bool is_foreign(const std::string& file) {
+  static constexpr std::array folders{"/c++/", "/bits/", "/catch2/", "/doctest/", "/gtest/"};
+  return std::ranges::any_of(
+      folders, [&file](const char* folder) { return file.find(folder) != std::string::npos; });
 }
 
 const Line& Symbols::at(const void* pc) {
@@ -103,7 +105,7 @@ Line Symbols::line_of(const std::vector<std::string>& frames) {
     if (colon == std::string::npos || place.starts_with("??")) continue;
     Line frame{frames[i], place.substr(0, colon), 0, ""};
     frame.number = static_cast<unsigned>(std::strtoul(place.c_str() + colon + 1, nullptr, 10));
-    const bool foreign = is_standard_library(frame.file);
+    const bool foreign = is_foreign(frame.file);
     if (line.file.empty() || !foreign) line = frame;
     if (!foreign) break;
   }

@@ -19,7 +19,9 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <functional>
+#include <source_location>
 #include <stdexcept>
 #include <string>
 
@@ -57,18 +59,66 @@ struct Explored {
 
 namespace detail {
 
-/// Failed assertions of the test in progress that the framework has noted without an exception.
-inline unsigned failures() {
+// Failed assertions that a framework notes without an exception, of the test in progress.
 #if defined(GTEST_TEST)
+inline void forget_failures(const std::source_location&) {}
+inline unsigned failures() {
   const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
   unsigned count = 0;
   for (int i = 0; test != nullptr && i < test->result()->total_part_count(); ++i)
     count += test->result()->GetTestPartResult(i).failed() ? 1 : 0;
   return count;
+}
 #elif defined(CATCH_VERSION_MAJOR)
-  return Catch::getResultCapture().lastAssertionPassed() ? 0 : 1;
+// It tells no number to tests. Its last result is that of the last assertion that has failed,
+// unless it is asked to report those that pass, too.
+inline void forget_failures(const std::source_location& where) {
+  const Catch::AssertionInfo info{
+      "irt::explore", {where.file_name(), where.line()}, "", Catch::ResultDisposition::Normal};
+  Catch::AssertionReaction reaction;
+  Catch::getResultCapture().handleMessage(info, Catch::ResultWas::Info, {}, reaction);
+}
+inline unsigned failures() {
+  return Catch::getResultCapture().getLastResult()->isOk() ? 0 : 1;
+}
+#elif defined(DOCTEST_VERSION)
+inline unsigned failed_assertions = 0;
+struct FailedAssertions : doctest::IReporter {
+  explicit FailedAssertions(const doctest::ContextOptions&) {}
+  void report_query(const doctest::QueryData&) override {}
+  void test_run_start() override {}
+  void test_run_end(const doctest::TestRunStats&) override {}
+  void test_case_start(const doctest::TestCaseData&) override {}
+  void test_case_reenter(const doctest::TestCaseData&) override {}
+  void test_case_end(const doctest::CurrentTestCaseStats&) override {}
+  void test_case_exception(const doctest::TestCaseException&) override {}
+  void subcase_start(const doctest::SubcaseSignature&) override {}
+  void subcase_end() override {}
+  void log_assert(const doctest::AssertData& assertion) override {
+    if (assertion.m_failed) ++failed_assertions;
+  }
+  void log_message(const doctest::MessageData&) override {}
+  void test_case_skipped(const doctest::TestCaseData&) override {}
+};
+inline const int listens = doctest::registerReporter<FailedAssertions>("irt", 1, false);
+inline void forget_failures(const std::source_location&) {}
+inline unsigned failures() {
+  return listens >= 0 ? failed_assertions : 0;
+}
 #else
+inline void forget_failures(const std::source_location&) {}
+inline unsigned failures() {
   return 0;
+}
+#endif
+
+[[noreturn]] inline void fail(const std::string& report) {
+#ifdef CATCH_VERSION_MAJOR
+  // Which fills paragraphs, and would break the columns of a counterexample.
+  std::fprintf(stderr, "%s\n", report.c_str());
+  throw std::runtime_error(report.substr(0, report.find('\n')));
+#else
+  throw std::runtime_error(report);
 #endif
 }
 
@@ -78,12 +128,14 @@ inline unsigned failures() {
 /// for. Throws std::runtime_error, with the counterexample, where one is wrong: a failed assertion,
 /// an exception, a data race, a deadlock, memory that is used after it was freed, ...; also where
 /// there was nothing to explore, for `body` began no threads.
-inline Explored explore(const std::function<void()>& body, const Exploration& how = {}) {
+inline Explored explore(const std::function<void()>& body, const Exploration& how = {},
+                        const std::source_location& where = std::source_location::current()) {
+  detail::forget_failures(where);
   const irt_exploration asked{how.threads, how.seconds, how.strategy, how.seed, detail::failures};
   irt_explored explored{};
   irt_explore([](void* function) { (*static_cast<const std::function<void()>*>(function))(); },
               const_cast<std::function<void()>*>(&body), &asked, &explored);
-  if (explored.wrong != nullptr) throw std::runtime_error(explored.wrong);
+  if (explored.wrong != nullptr) detail::fail(explored.wrong);
   return {explored.executions, explored.whole};
 }
 

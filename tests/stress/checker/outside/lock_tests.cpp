@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <irt/explore.hpp>
 #include <thread>
+#include <vector>
 
 namespace {
 
@@ -43,6 +44,21 @@ TEST(Right, Excludes) {
   const irt::Explored explored = count_two(std::memory_order_release);
   EXPECT_TRUE(explored.whole);
   EXPECT_GT(explored.executions, 1U);
+}
+TEST(Right, FindsItsVariablesAsTheyWere) {
+  int runs = 0;
+  std::vector<int> kept(1, 7);
+  irt::explore([&] {
+    std::atomic<int> value{0};
+    std::thread other([&] { value = 1; });
+    kept.push_back(value.load());
+    other.join();
+    EXPECT_EQ(++runs, 1);
+    EXPECT_EQ(kept.size(), 2U);
+    kept = {};
+  });
+  EXPECT_EQ(runs, 0);
+  EXPECT_EQ(kept, std::vector<int>(1, 7));
 }
 TEST(Wrong, UnlocksTooWeakly) {
   count_two(std::memory_order_relaxed);
