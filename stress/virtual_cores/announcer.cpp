@@ -1,12 +1,13 @@
 // A plug-in of GCC that runs before its pass `tsan`, which announces assignments and nothing else.
 // What touches memory in another form becomes an assignment or a call here:
 //
-//   memory = f(x)          a small class that comes back in registers, or a large one for which f
-//   is
+//   memory = f(x)          a small class that comes back in registers, or a large one for which f is
 //                          told the place: the call fills a temporary, an assignment follows
 //   f(memory)              a class passed by value: an assignment to a temporary goes before
 //   __builtin_memcpy, ...  what GCC may expand in place: a call of the C library's function, which
 //                          the runtime redirects and announces
+//   the parts of a         are fields of which GCC says that nobody may ask for their address, and
+//   pointer to member      which are left out for that: not any more
 //
 // Classes that must not be copied (TREE_ADDRESSABLE) are made and read by instrumented code through
 // a pointer, and need nothing. Local variables stay as they are: nobody watches stacks.
@@ -158,6 +159,14 @@ void assign_result(gimple_stmt_iterator* at, gcall* call) {
   if (edge next = find_fallthru_edge(gimple_bb(call)->succs)) gsi_insert_on_edge(next, assignment);
 }
 
+void make_addressable(tree memory) {
+  for (; handled_component_p(memory); memory = TREE_OPERAND(memory, 0)) {
+    if (TREE_CODE(memory) != COMPONENT_REF) continue;
+    const tree field = TREE_OPERAND(memory, 1);
+    if (!DECL_BIT_FIELD(field)) DECL_NONADDRESSABLE_P(field) = 0;
+  }
+}
+
 const pass_data description = {GIMPLE_PASS,
                                "irt_announcer",
                                OPTGROUP_NONE,
@@ -179,6 +188,10 @@ class Announcer final : public gimple_opt_pass {
     basic_block block;
     FOR_EACH_BB_FN(block, code) {
       for (gimple_stmt_iterator at = gsi_start_bb(block); !gsi_end_p(at); gsi_next(&at)) {
+        if (gimple_assign_single_p(gsi_stmt(at))) {
+          make_addressable(gimple_assign_lhs(gsi_stmt(at)));
+          make_addressable(gimple_assign_rhs1(gsi_stmt(at)));
+        }
         auto* const call = dyn_cast<gcall*>(gsi_stmt(at));
         if (call == nullptr || gimple_call_internal_p(call)) continue;
         call_the_library(call);

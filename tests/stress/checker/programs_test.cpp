@@ -36,8 +36,8 @@ checker::ProgramSettings settings_of(const irt::programs::Entry& entry) {
 std::string found(const checker::ProgramResult& result) {
   for (const checker::SearchResult& search : result.searches)
     if (search.result.finding) return std::string(name_of(search.result.finding->kind));
-  // What is not seen is asked of the module, of all programs together.
-  return result.whole ? "nothing" : "not proved";
+  // Whether all is seen is asked of the module: of all programs together.
+  return result.proved ? "nothing" : "not proved";
 }
 
 class Programs : public testing::TestWithParam<irt::programs::Entry> {};
