@@ -139,7 +139,8 @@ extern "C" __attribute__((visibility("default"))) void irt_explore(void (*body)(
                                                                    irt_explored* explored) {
   static std::string wrong;
   const irt::checker::ProgramSettings settings = irt::checker::settings_of(body, argument, *how);
-  const irt::checker::Answer answer = irt::checker::explored_elsewhere(settings, irt::checker::stack_above(__builtin_frame_address(0)));
+  const irt::checker::Answer answer = irt::checker::explored_elsewhere(
+      settings, irt::checker::stack_above(__builtin_frame_address(0)));
   wrong = answer.wrong;
   *explored = {answer.executions, answer.whole, wrong.empty() ? nullptr : wrong.c_str()};
 }

@@ -1,8 +1,8 @@
 // A plug-in of GCC that runs before its pass `tsan`, which announces assignments and nothing else.
 // What touches memory in another form becomes an assignment or a call here:
 //
-//   memory = f(x)          a small class that comes back in registers, or a large one for which f is
-//                          told the place: the call fills a temporary, an assignment follows
+//   memory = f(x)          a small class that comes back in registers, or a large one whose place f
+//                          is told: the call fills a temporary, an assignment follows
 //   f(memory)              a class passed by value: an assignment to a temporary goes before
 //   __builtin_memcpy, ...  what GCC may expand in place: a call of the C library's function, which
 //                          the runtime redirects and announces

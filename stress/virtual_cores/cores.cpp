@@ -109,9 +109,9 @@ struct Cores::State {
     } catch (const std::exception& error) {
       self.tenant.failed("an exception left a thread: " + std::string(error.what()), nullptr);
     } catch (...) {
-      self.tenant.failed("an exception left a thread: " +
-                             demangled(abi::__cxa_current_exception_type()->name()),
-                         nullptr);
+      self.tenant.failed(
+          "an exception left a thread: " + demangled(abi::__cxa_current_exception_type()->name()),
+          nullptr);
     }
     end_core();
   }

@@ -63,9 +63,9 @@ int find_library_data(dl_phdr_info* info, std::size_t, void* result) {
   return 0;
 }
 
-// What the code allocates while it runs natively: constructors of global variables while it is loaded,
-// and its main where that is no program to explore. It lasts as long as the code, like the variables
-// that lead to it, or until the code frees it.
+// What the code allocates while it runs natively: constructors of global variables while it is
+// loaded, and its main where that is no program to explore. It lasts as long as the code, like the
+// variables that lead to it, or until the code frees it.
 class Native final : public Tenant {
  public:
   Native() : before_(active) { active = this; }

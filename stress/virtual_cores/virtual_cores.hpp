@@ -262,7 +262,8 @@ class SpinWatch {
 class Module {
  public:
   /// Who calls the constructors of global variables: this class, once, after which they start no
-  /// threads, or `run_program`. `with_main` is once, too, for code whose main is then called natively.
+  /// threads, or `run_program`. `with_main` is once, too, for code whose main is then called
+  /// natively.
   enum class Constructs : std::uint8_t { once, each_program, with_main };
 
   /// Loads `file`. Throws std::runtime_error with the loader's words if that fails.
@@ -283,8 +284,8 @@ class Module {
   /// Puts global variables, and what their constructors allocated, back to what they were after
   /// loading. Nobody may have returned such a block to the host's heap.
   void reset_globals();
-  /// Of a module that is loaded `with_main`: from now on that goes back to what they hold now, as do
-  /// all blocks that its code has allocated since it was loaded, and `others`.
+  /// Of a module that is loaded `with_main`: from now on that goes back to what they hold now, as
+  /// do all blocks that its code has allocated since it was loaded, and `others`.
   void remember_memory(const std::vector<Range>& others = {});
   /// That memory, in the order of addresses.
   [[nodiscard]] const std::vector<Range>& globals() const;

@@ -16,8 +16,8 @@ struct Line {
   std::string text;  ///< the line itself, without indentation; empty if it cannot be read
 };
 
-/// Whether the file belongs to the C++ library or to a test framework, so that whoever wrote the test
-/// looks for the line that calls it.
+/// Whether the file belongs to the C++ library or to a test framework, so that whoever wrote the
+/// test looks for the line that calls it.
 bool is_foreign(const std::string& file);
 
 /// Instructions that touch memory behind the checker's back.
