@@ -1,4 +1,4 @@
-// Mutexes, condition variables, semaphores, rw locks, barriers and once-flags of instrumented code,
+// Mutexes, condition variables, semaphores, rw locks and barriers of instrumented code,
 // POSIX's and C11's, in terms of the tenant's lock, wait and wake.
 //
 // The objects keep the C library's size and its static initialisers (zero but for a mutex's kind).
@@ -14,6 +14,7 @@
 #include <threads.h>
 
 #include "stress/virtual_cores/internal.hpp"
+#include "stress/virtual_cores/words.hpp"
 
 namespace {
 
@@ -23,44 +24,10 @@ using irt::virtual_cores::announce_write;
 using irt::virtual_cores::ask;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::forever;
-using irt::virtual_cores::Modification;
-using irt::virtual_cores::Order;
 using irt::virtual_cores::set_errno;
 using irt::virtual_cores::until;
-using irt::virtual_cores::Value;
 using irt::virtual_cores::Wake;
-
-#define IRT_PC __builtin_return_address(0)
-
-/// Whom these functions ask: the registers that the code had at an atomic operation of before are
-/// not those that it has now.
-irt::virtual_cores::Tenant& tenant() {
-  irt::virtual_cores::forget_registers();
-  return *active;
-}
-
-constexpr unsigned everybody = INT_MAX;
-
-std::uint32_t load(const std::uint32_t& word, const void* pc) {
-  return static_cast<std::uint32_t>(tenant().load({address_of(&word), 4, Order::acquire, pc}));
-}
-void store(std::uint32_t& word, std::uint32_t value, const void* pc) {
-  tenant().store({address_of(&word), 4, Order::release, pc}, value);
-}
-std::uint32_t add(std::uint32_t& word, std::uint32_t value, const void* pc) {
-  return static_cast<std::uint32_t>(
-      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Modification::fetch_add, value));
-}
-bool swap_if(std::uint32_t& word, std::uint32_t expected, std::uint32_t desired, const void* pc) {
-  Value seen = expected;
-  return tenant().compare_exchange({address_of(&word), 4, Order::acq_rel, pc}, Order::acquire,
-                                   false, seen, desired);
-}
-
-std::uint32_t exchange(std::uint32_t& word, std::uint32_t value, const void* pc) {
-  return static_cast<std::uint32_t>(
-      tenant().modify({address_of(&word), 4, Order::acq_rel, pc}, Modification::exchange, value));
-}
+using namespace irt::virtual_cores::words;
 
 // What an object holds in a word that it does not need otherwise, once it was destroyed.
 constexpr std::uint32_t destroyed = 0xDE57205E;
@@ -240,13 +207,6 @@ void expect(const Barrier& barrier, const void* pc) {
   if (barrier.total == 0)
     tenant().failed("a barrier is used that was destroyed, or never initialised", pc);
 }
-
-// A function-local static's guard: byte 0 says that it is made, the upper half is a lock.
-struct Guard {
-  std::uint8_t made;
-  std::uint8_t unused[3];
-  std::uint32_t lock;
-};
 
 }  // namespace
 
@@ -463,43 +423,6 @@ IRT_REDIRECTED int irt_vc_pthread_barrier_wait(pthread_barrier_t* b) {
   return 0;
 }
 
-// --- Once ------------------------------------------------------------------------------------
-
-IRT_REDIRECTED int irt_vc___cxa_guard_acquire(Guard* guard) {
-  tenant().lock(address_of(&guard->lock), forever, IRT_PC);
-  if (tenant().load({address_of(&guard->made), 1, Order::acquire, IRT_PC}) == 0) return 1;
-  tenant().unlock(address_of(&guard->lock), IRT_PC);
-  return 0;
-}
-IRT_REDIRECTED void irt_vc___cxa_guard_release(Guard* guard) {
-  tenant().store({address_of(&guard->made), 1, Order::release, IRT_PC}, 1);
-  tenant().unlock(address_of(&guard->lock), IRT_PC);
-}
-IRT_REDIRECTED void irt_vc___cxa_guard_abort(Guard* guard) {
-  tenant().unlock(address_of(&guard->lock), IRT_PC);
-}
-IRT_REDIRECTED int irt_vc_pthread_once(pthread_once_t* once, void (*function)()) {
-  auto& state = *reinterpret_cast<std::uint32_t*>(once);  // 0 fresh, 1 in progress, 2 done
-  const void* const pc = IRT_PC;
-  const auto become = [&](std::uint32_t next) {
-    store(state, next, pc);
-    tenant().wake(address_of(once), everybody, pc);
-  };
-  while (!swap_if(state, 0, 1, pc)) {
-    const std::uint32_t seen = load(state, pc);
-    if (seen == 2) return 0;
-    if (seen == 1) tenant().wait(address_of(once), 1, forever, pc);
-  }
-  try {
-    function();
-  } catch (...) {  // of std::call_once: the next caller tries again
-    become(0);
-    throw;
-  }
-  become(2);
-  return 0;
-}
-
 // --- C11: the same objects, other answers ------------------------------------------------------
 
 namespace {
@@ -520,7 +443,6 @@ IRT_C11("cnd_signal", "cond_signal");
 IRT_C11("cnd_broadcast", "cond_broadcast");
 IRT_C11("cnd_wait", "cond_wait");
 IRT_C11("cnd_destroy", "cond_destroy");
-IRT_C11("call_once", "once");
 #undef IRT_C11
 IRT_REDIRECTED int irt_vc_mtx_init(pthread_mutex_t* m, int kind) {
   clear(*m, IRT_PC);

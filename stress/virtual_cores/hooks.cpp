@@ -56,7 +56,6 @@ bool is_local(const volatile void* object) {
 
 }  // namespace
 
-#define IRT_PC __builtin_return_address(0)
 #define IRT_HOOK extern "C" __attribute__((visibility("default"))) void
 #define IRT_BODY extern "C" __attribute__((visibility("hidden"), used))
 

@@ -129,5 +129,8 @@ void run_thread_exits(unsigned core);
 
 }  // namespace irt::virtual_cores
 
+// Where the instrumented code is that has called the function in which this stands.
+#define IRT_PC __builtin_return_address(0)
+
 // Functions that instrumented code is made to call instead of the C library's.
 #define IRT_REDIRECTED extern "C" __attribute__((visibility("default")))

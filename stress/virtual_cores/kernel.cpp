@@ -38,8 +38,6 @@ using irt::virtual_cores::set_errno;
 using irt::virtual_cores::until;
 using irt::virtual_cores::Wake;
 
-#define IRT_PC __builtin_return_address(0)
-
 [[noreturn]] void refuse(const std::string& what) {
   irt::virtual_cores::refuse("the code " + what + ", which virtual cores do not support");
 }

@@ -17,8 +17,6 @@ namespace {
 using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 
-#define IRT_PC __builtin_return_address(0)
-
 void read_text(const char* text, const void* pc) {
   if (text != nullptr) announce_read(text, std::strlen(text) + 1, pc);
 }

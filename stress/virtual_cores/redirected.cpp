@@ -1,6 +1,6 @@
 // The C library as instrumented code sees it: each name of redirected.syms, with `irt_vc_` before
 // it. Memory goes to the tenant's heap, time and chance are the tenant's. What works on bytes is in
-// strings.cpp, what sleeps in blocking.cpp, what is the kernel's in kernel.cpp.
+// strings.cpp, what sleeps in blocking.cpp and once.cpp, what is the kernel's in kernel.cpp.
 
 #include <bit>
 #include <cerrno>
@@ -26,8 +26,6 @@ using irt::virtual_cores::announce_write;
 using irt::virtual_cores::current_core;
 using irt::virtual_cores::nanoseconds_of;
 using irt::virtual_cores::set_errno;
-
-#define IRT_PC __builtin_return_address(0)
 
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 

@@ -11,8 +11,6 @@
 using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 
-#define IRT_PC __builtin_return_address(0)
-
 // NOLINTBEGIN(bugprone-reserved-identifier,bugprone-sizeof-container,readability-identifier-naming)
 
 // --- Hash tables: when they grow, and to what size --------------------------------------------

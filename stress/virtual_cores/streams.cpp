@@ -5,8 +5,6 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
-#define IRT_PC __builtin_return_address(0)
-
 // A member of `class` without arguments that sets up, or ends, the object it is called for.
 #define IRT_MEMBER(name, type)                                        \
   extern "C" void real_##name(type* object) asm(#name);               \

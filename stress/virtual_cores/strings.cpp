@@ -13,8 +13,6 @@ using irt::virtual_cores::active;
 using irt::virtual_cores::announce_read;
 using irt::virtual_cores::announce_write;
 
-#define IRT_PC __builtin_return_address(0)
-
 namespace {
 
 constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();

@@ -23,8 +23,6 @@ using irt::virtual_cores::Process;
 using irt::virtual_cores::refuse;
 using irt::virtual_cores::run_thread_exits;
 
-#define IRT_PC __builtin_return_address(0)
-
 struct Thread {
   void* (*routine)(void*) = nullptr;    ///< POSIX's kind, or ...
   int (*c11_routine)(void*) = nullptr;  ///< ... C11's
