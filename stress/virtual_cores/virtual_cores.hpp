@@ -298,8 +298,7 @@ class Module {
   /// observes, demangled; also tables of virtual functions and objects outside.
   [[nodiscard]] std::vector<std::string> unseen_calls() const;
 
-  /// Of its global variables, in order; none if they were called. Those that ask for a priority are
-  /// called when it is loaded.
+  /// Of its global variables, in order; none if they were called.
   [[nodiscard]] const std::vector<Constructor>& constructors() const;
 
   [[nodiscard]] const std::string& file() const;

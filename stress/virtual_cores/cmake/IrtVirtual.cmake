@@ -96,13 +96,22 @@ function(irt_virtual_module name)
     list(APPEND wanted -Wl,--wrap=free -Wl,--wrap=_ZdlPv -Wl,--wrap=_ZdlPvm -Wl,--wrap=_ZdaPv)
   endif()
   # The objects linked into one, what the C library's names stand for renamed, and that linked again.
-  # Its constructors are called by the runtime instead of the loader, so that they can be events.
+  # Its constructors are called by the runtime instead of the loader, so that they can be events; those
+  # with a priority come first, as the loader would have it.
+  set(constructors ${CMAKE_CURRENT_BINARY_DIR}/irt_constructors.ld)
+  file(CONFIGURE OUTPUT ${constructors} CONTENT [[SECTIONS {
+  irt_init_array : {
+    KEEP(*(SORT_BY_INIT_PRIORITY(.init_array.*)))
+    KEEP(*(.init_array))
+  }
+}
+]])
   set(merged ${CMAKE_CURRENT_BINARY_DIR}/${name}.merged.o)
   set(renamed ${CMAKE_CURRENT_BINARY_DIR}/${name}.o)
   add_custom_command(OUTPUT ${file}
-    COMMAND ${CMAKE_LINKER} -r -o ${merged} $<TARGET_OBJECTS:${name}_objects>
+    COMMAND ${CMAKE_LINKER} -r -T ${constructors} -o ${merged} $<TARGET_OBJECTS:${name}_objects>
     COMMAND ${IRT_OBJCOPY} --redefine-syms=${redirections} --redefine-sym main=irt_main
-      --redefine-sym main.cold=irt_main.cold --rename-section .init_array=irt_init_array ${apart}
+      --redefine-sym main.cold=irt_main.cold ${apart}
             ${merged} ${renamed}
     COMMAND ${CMAKE_CXX_COMPILER} -shared -o ${file} ${renamed}
             -Wl,-z,now -Wl,-z,relro -Wl,-Bsymbolic-functions -Wl,--version-script=${exports} ${wanted}

@@ -1,5 +1,5 @@
 // A global variable whose constructor begins a thread, as loggers and pools do: with an argument
-// main() races with it.
+// main() races with it. And two whose order is asked for.
 
 #include <memory>
 #include <mutex>
@@ -23,11 +23,19 @@ struct Background {
 };
 Background background;
 
+int made = 0;
+struct Counted {
+  int number = ++made;
+};
+Counted second;
+[[gnu::init_priority(200)]] Counted first;
+
 }  // namespace
 
 int main(int argc, char**) {
   std::unique_lock lock(mutex, std::defer_lock);
   if (argc == 1) lock.lock();
   ++steps;
-  return steps == 1 || steps == 2 ? 0 : 1;
+  const bool in_order = first.number == 1 && second.number == 2;
+  return in_order && (steps == 1 || steps == 2) ? 0 : 1;
 }

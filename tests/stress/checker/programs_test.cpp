@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <string>
+#include <string_view>
 
 #include "stress/checker/program_check.hpp"
 #include "stress/checker/unseen.hpp"
@@ -50,6 +51,26 @@ TEST_P(Programs, are_known_for_what_they_are) {
             std::string::npos)
       << found(result) << ", for " << GetParam().finds << ": " << verdict(settings, result)
       << (result.found ? result.searches.back().report : "");
+}
+
+/// What is found in the program of that name when what fails by chance may fail.
+std::string found_by_chance(std::string_view name) {
+  for (const irt::programs::Entry& entry : entries()) {
+    if (entry.name != name) continue;
+    checker::ProgramSettings settings = settings_of(entry);
+    settings.options.limits.spurious_wakeups = settings.options.limits.weak_may_fail = true;
+    return found(check_program(module(), settings, [](const std::string& s) { return s; }));
+  }
+  return "no such program";
+}
+
+TEST(Chance, ends_waits_and_fails_exchanges) {
+  EXPECT_EQ(found_by_chance("waits_without_a_loop"), "failure");
+  EXPECT_EQ(found_by_chance("tries_an_exchange_once"), "failure");
+}
+
+TEST(Chance, leaves_loops_that_go_on_finite) {
+  EXPECT_EQ(found_by_chance("waits_in_a_loop"), "nothing");
 }
 
 TEST(Main, and_its_unlikely_part_are_seen_as_one_function) {
