@@ -66,7 +66,7 @@ TEST_F(Cases, what_was_wrong_is_in_the_columns_which_a_terminal_can_show) {
 TEST_F(Cases, healthy_ones_are_not_accused) {
   for (const Case& c : cases) {
     if (!c.right.empty()) continue;
-    const QueueResult result = check(c.queue, 0.3);
+    const QueueResult result = check(c.queue, 0.15);
     EXPECT_FALSE(result.found) << c.queue << ": " << finding_of(result);
   }
 }

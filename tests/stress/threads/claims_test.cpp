@@ -34,15 +34,15 @@ TEST(ClaimsOnThreads, AsksForNoMoreThanIsClaimed) {
   for (const QueueEntry& queue : modest) {
     for (const Scenario& scenario : scenarios()) {
       if (!allows(queue.methods, queue.claims, scenario)) continue;
-      const Result result = run_on(queue, scenario.name, 0.1);
+      const Result result = run_on(queue, scenario.name, 0.05);
       EXPECT_TRUE(result.findings.empty())
           << queue.name << " in " << scenario.name << ": " << claim_of(result) << "\n"
           << result.findings[0].evidence;
     }
     if (sanitizer != Sanitizer::none) continue;
-    EXPECT_EQ(claim_of(run(queue, 0.5, run_faults)), "nothing") << queue.name;
-    EXPECT_EQ(claim_of(run(queue, 0.5, run_progress)), "nothing") << queue.name;
-    EXPECT_EQ(claim_of(run(queue, 0.5, run_sustained)), "nothing") << queue.name;
+    EXPECT_EQ(claim_of(run(queue, 0.25, run_faults)), "nothing") << queue.name;
+    EXPECT_EQ(claim_of(run(queue, 0.25, run_progress)), "nothing") << queue.name;
+    EXPECT_EQ(claim_of(run(queue, 0.25, run_sustained)), "nothing") << queue.name;
   }
   if (sanitizer == Sanitizer::none) {
     EXPECT_EQ(claim_of(run(queue_entry<HoardingHonest>("hoarding"), 0.1, run_memory)), "nothing");
@@ -70,12 +70,12 @@ TEST(ClaimsOnThreads, LeavesOutWordsAndWorkersThatAQueueKeepsForItself) {
         claiming<Keeps::word, true>(), claiming<Keeps::high_bit, true>(),
         claiming<Keeps::low_bit, true>(), claiming<Keeps::seats, true>()}) {
     for (const std::string_view scenario : {"mpmc", "crowd", "built-and-dropped"}) {
-      const Result result = run_on(queue, scenario, 0.3);
+      const Result result = run_on(queue, scenario, 0.15);
       EXPECT_EQ(claim_of(result), "nothing") << scenario << "\n" << result.findings[0].evidence;
     }
     if (sanitizer != Sanitizer::none) continue;
     for (const auto suite : {run_sustained, run_faults, run_progress})
-      EXPECT_EQ(claim_of(run(queue, 0.3, suite)), "nothing");
+      EXPECT_EQ(claim_of(run(queue, 0.15, suite)), "nothing");
   }
 }
 
