@@ -214,15 +214,13 @@ struct Handler {
   void* argument;
 };
 
-// What the constructors of global variables have registered, and that with what `main` has.
-std::vector<Handler> of_globals;
+// What constructors of global variables and `main` have registered.
 std::vector<Handler> at_exit;
 
+// What is registered natively is for the end of the host, which the code's variables do not
+// outlive.
 int register_handler(Handler handler) {
-  if (current_core == host)
-    of_globals.push_back(handler);
-  else
-    at_exit.push_back(handler);
+  if (current_core != host) at_exit.push_back(handler);
   return 0;
 }
 
@@ -272,7 +270,7 @@ namespace irt::virtual_cores {
 void run_program(void (*main)(), const std::vector<std::string>& arguments,
                  const std::vector<Constructor>& constructors) {
   threads.clear();
-  at_exit = of_globals;
+  at_exit.clear();
   run_thread([&] {
     // The code may write to them: each execution has its own.
     std::vector<std::string> words = arguments;

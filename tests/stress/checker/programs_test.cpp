@@ -84,7 +84,8 @@ TEST(Main, comes_after_the_constructors_of_globals_in_each_execution) {
   checker::ProgramSettings settings{.name = "constructors", .seconds = 20};
   settings.conduct = {.jobs = 1, .keep_going = false, .quiet = true, .reports = true};
   const auto same = [](const std::string& s) { return s; };
-  EXPECT_EQ(found(check_program(main, settings, same)), "nothing");
+  const checker::ProgramResult right = check_program(main, settings, same);
+  EXPECT_EQ(found(right), "nothing") << verdict(settings, right);
   settings.arguments = {"race"};
   EXPECT_EQ(found(check_program(main, settings, same)), "data race");
 }
