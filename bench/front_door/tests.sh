@@ -38,8 +38,9 @@ run_tests() {
 
   build_target "$preset" "$targets" "${packages[@]}"
 
+  # One more than there are processors, for some tests only wait.
   local run=(ctest --test-dir "$here/build/$preset" --output-on-failure --no-tests=error
-    --parallel "$(nproc)" --timeout "$seconds" "${selection[@]}" "$@")
+    --parallel "$(($(nproc) + 1))" --timeout "$seconds" "${selection[@]}" "$@")
   # ThreadSanitizer of GCC 12 cannot map its shadow where addresses are randomised over more bits.
   if [[ $preset == tsan ]] && setarch -R true 2>/dev/null; then run=(setarch -R "${run[@]}"); fi
   local log=$logs/test-$preset.log code=0
