@@ -1,10 +1,13 @@
 #include "stress/checker/test_host.hpp"
 
 #include <cstdlib>
-#include <fmt/format.h>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <pthread.h>
+#include <string_view>
 #include <unistd.h>
+#include <utility>
 
 #include "stress/checker/child.hpp"
 #include "stress/checker/include/irt/explore.hpp"
@@ -45,7 +48,7 @@ Answer from_bytes(const std::string& bytes) {
 ProgramSettings settings_of(void (*body)(void*), void* argument, const irt_exploration& how) {
   ProgramSettings settings{.name = "the test"};
   settings.work = [=] { virtual_cores::run_body([=] { body(argument); }); };
-  settings.failures = how.failures;
+  settings.failures = how.failures != nullptr ? how.failures : [] { return 0U; };
   settings.threads = how.threads;
   settings.seconds = how.seconds;
   settings.conduct = {.jobs = processors(), .keep_going = false, .quiet = true, .reports = true};
@@ -90,6 +93,20 @@ Answer explored(const ProgramSettings& settings, virtual_cores::Range stack) {
   else if (result.differs || result.threads <= 1 || answer.executions == 0)
     answer.wrong = verdict(settings, result);
   return answer;
+}
+
+/// A framework in `file` whose failed assertions nobody would see; empty if there is none.
+std::string unseen_framework(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  constexpr std::pair<std::string_view, std::string_view> known[] = {
+      {"_ZN7testing8UnitTest", "GoogleTest"},
+      {"_ZN5Catch", "Catch2"},
+      {"_ZN7doctest", "doctest"},
+      {"_ZN5boost9unit_test", "Boost.Test"}};
+  for (const auto& [symbol, framework] : known)
+    if (bytes.find(symbol) != std::string::npos) return std::string(framework);
+  return "";
 }
 
 /// In a process of its own: explorations leave nothing behind for the tests after it.
@@ -138,6 +155,16 @@ extern "C" __attribute__((visibility("default"))) void irt_explore(void (*body)(
                                                                    const irt_exploration* how,
                                                                    irt_explored* explored) {
   static std::string wrong;
+  if (how->failures == nullptr) {
+    static const std::string framework =
+        irt::checker::unseen_framework(irt::checker::tests->file());
+    if (!framework.empty()) {
+      wrong = "irt::explore would not see which assertions fail: include " + framework +
+              " before irt/explore.hpp";
+      *explored = {0, false, wrong.c_str()};
+      return;
+    }
+  }
   const irt::checker::ProgramSettings settings = irt::checker::settings_of(body, argument, *how);
   const irt::checker::Answer answer = irt::checker::explored_elsewhere(
       settings, irt::checker::stack_above(__builtin_frame_address(0)));

@@ -58,7 +58,8 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 bool is_foreign(const std::string& file) {
-  static constexpr std::array folders{"/c++/", "/bits/", "/catch2/", "/doctest/", "/gtest/"};
+  static constexpr std::array folders{"/c++/",     "/bits/",  "/catch2/",
+                                      "/doctest/", "/gtest/", "/boost/test/"};
   return std::ranges::any_of(
       folders, [&file](const char* folder) { return file.find(folder) != std::string::npos; });
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # irt::explore() in a test framework that is headers only, and that is explored along with the test:
-# framework_test.sh BUILD COMPILER WORK doctest|catch2
+# framework_test.sh BUILD COMPILER WORK doctest|catch2|boost
 set -euo pipefail
 build=$1 compiler=$2 work=$3 framework=$4
 here=$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")
@@ -10,7 +10,8 @@ fail() {
   exit 1
 }
 
-declare -A header=([doctest]=doctest/doctest.h [catch2]=catch2/catch.hpp)
+declare -A header=([doctest]=doctest/doctest.h [catch2]=catch2/catch.hpp
+  [boost]=boost/test/included/unit_test.hpp)
 if ! echo "#include <${header[$framework]}>" | "$compiler" -x c++ -fsyntax-only - 2>/dev/null; then
   echo "skipped: no $framework here"
   exit 77
@@ -28,12 +29,14 @@ told=$work/assertions.log
 run() { # run FRAMEWORK'S-OPTION...
   "$work/irt"/lib*/irt/irt-check --tests "$work/build/assertions.so" -- "$@" >"$told" 2>&1
 }
-declare -A only=([doctest]=--test-case= [catch2]=)
+declare -A only=([doctest]=--test-case= [catch2]='' [boost]=--run_test=)
 run "${only[$framework]}right*" || fail "right tests do not pass: $(cat "$told")"
 run && fail 'wrong tests pass'
 for wrong in 'where it must hold' 'and goes on' 'again where another one has failed'; do
-  run "${only[$framework]}wrong $wrong" && fail "wrong $wrong: passes"
-  grep -Eq 'an assertion of the test has failed|an exception left a thread: .*TestFailureException' \
+  name="wrong $wrong"
+  [[ $framework != boost ]] || name=${name// /_}
+  run "${only[$framework]}$name" && fail "wrong $wrong: passes"
+  grep -Eq 'an assertion of the test has failed|an exception left a thread: .*(TestFailureException|execution_aborted)' \
     "$told" || fail "wrong $wrong: something else is told: $(cat "$told")"
-  grep -q 'Numbers are lines of assertions.cpp' "$told" || fail "lines of others: $(cat "$told")"
+  grep -q 'Numbers are lines of .*assertions.cpp' "$told" || fail "lines of others: $(cat "$told")"
 done

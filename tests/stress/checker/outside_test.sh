@@ -34,6 +34,10 @@ grep -q 'Only machines with weaker orders than x86' "$told" || fail 'x86 is not 
 grep -q 'an assertion of the test has failed' "$told" || fail 'the assertion is not seen'
 grep -q 'there was nothing to explore' "$told" || fail 'nothing is not told from something'
 
+run late_tests && fail 'assertions that nobody sees pass'
+grep -q 'include GoogleTest before irt/explore.hpp' "$work/late_tests.log" ||
+  fail "something else is told: $(cat "$work/late_tests.log")"
+
 # What a report says to do shows the same again.
 schedule=$(sed -n "s/.*IRT_REPLAY='\([^']*\)'.*/\1/p" "$told" | head -n 1)
 IRT_REPLAY=$schedule "$work/irt"/lib*/irt/irt-check --tests "$work/build/lock_tests.so" -- \

@@ -25,13 +25,36 @@
 #include <stdexcept>
 #include <string>
 
+// The framework that was included before. What follows has another name in each, for the sources of
+// a program may differ in that.
+#if defined(GTEST_TEST)
+#define IRT_EXPLORE_IN in_googletest
+#elif defined(TWOBLUECUBES_SINGLE_INCLUDE_CATCH_HPP_INCLUDED) || \
+    defined(CATCH_AMALGAMATED_HPP_INCLUDED) || defined(CATCH_TEST_MACROS_HPP_INCLUDED)
+#define IRT_EXPLORE_IN in_catch
+#define IRT_EXPLORE_IN_CATCH
+#if defined(CATCH_TEST_MACROS_HPP_INCLUDED) && !defined(CATCH_AMALGAMATED_HPP_INCLUDED)
+#include <catch2/catch_assertion_result.hpp>
+#include <catch2/interfaces/catch_interfaces_config.hpp>
+#include <catch2/internal/catch_context.hpp>
+#endif
+#elif defined(BOOST_TEST_CASE)
+#define IRT_EXPLORE_IN in_boost_test
+#include <boost/test/framework.hpp>
+#include <boost/test/results_collector.hpp>
+#elif defined(DOCTEST_VERSION)
+#define IRT_EXPLORE_IN in_doctest
+#else
+#define IRT_EXPLORE_IN in_no_framework
+#endif
+
 extern "C" {
 struct irt_exploration {
   unsigned threads;
   double seconds;
   const char* strategy;
   std::uint64_t seed;
-  unsigned (*failures)();  ///< of assertions in this test so far
+  unsigned (*failures)();  ///< of assertions in this test so far; null where none are known
 };
 struct irt_explored {
   std::uint64_t executions;
@@ -43,7 +66,7 @@ void irt_explore(void (*body)(void*), void* argument, const irt_exploration* how
                  irt_explored* explored);
 }
 
-namespace irt {
+namespace irt::inline IRT_EXPLORE_IN {
 
 struct Exploration {
   unsigned threads = 8;           ///< at most, that of the body included; up to 15
@@ -61,7 +84,7 @@ namespace detail {
 
 // Failed assertions that a framework notes without an exception, of the test in progress.
 #if defined(GTEST_TEST)
-inline void forget_failures(const std::source_location&) {}
+inline void begin(const std::source_location&) {}
 inline unsigned failures() {
   const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
   unsigned count = 0;
@@ -69,10 +92,15 @@ inline unsigned failures() {
     count += test->result()->GetTestPartResult(i).failed() ? 1 : 0;
   return count;
 }
-#elif defined(CATCH_VERSION_MAJOR)
+#elif defined(IRT_EXPLORE_IN_CATCH)
 // It tells no number to tests. Its last result is that of the last assertion that has failed,
 // unless it is asked to report those that pass, too.
-inline void forget_failures(const std::source_location& where) {
+inline void begin(const std::source_location& where) {
+  if (Catch::getCurrentContext().getConfig()->includeSuccessfulResults())
+    throw std::runtime_error(
+        "irt::explore: nothing is explored with --success, for a CHECK that fails is not known "
+        "then "
+        "once another one passes");
   const Catch::AssertionInfo info{
       "irt::explore", {where.file_name(), where.line()}, "", Catch::ResultDisposition::Normal};
   Catch::AssertionReaction reaction;
@@ -80,6 +108,14 @@ inline void forget_failures(const std::source_location& where) {
 }
 inline unsigned failures() {
   return Catch::getResultCapture().getLastResult()->isOk() ? 0 : 1;
+}
+#elif defined(BOOST_TEST_CASE)
+inline void begin(const std::source_location&) {}
+inline unsigned failures() {
+  namespace boost_test = boost::unit_test;
+  return static_cast<unsigned>(
+      boost_test::results_collector.results(boost_test::framework::current_test_case_id())
+          .p_assertions_failed.get());
 }
 #elif defined(DOCTEST_VERSION)
 inline unsigned failed_assertions = 0;
@@ -101,19 +137,17 @@ struct FailedAssertions : doctest::IReporter {
   void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 inline const int listens = doctest::registerReporter<FailedAssertions>("irt", 1, false);
-inline void forget_failures(const std::source_location&) {}
+inline void begin(const std::source_location&) {}
 inline unsigned failures() {
   return listens >= 0 ? failed_assertions : 0;
 }
 #else
-inline void forget_failures(const std::source_location&) {}
-inline unsigned failures() {
-  return 0;
-}
+inline void begin(const std::source_location&) {}
+inline constexpr unsigned (*failures)() = nullptr;
 #endif
 
 [[noreturn]] inline void fail(const std::string& report) {
-#ifdef CATCH_VERSION_MAJOR
+#ifdef IRT_EXPLORE_IN_CATCH
   // Which fills paragraphs, and would break the columns of a counterexample.
   std::fprintf(stderr, "%s\n", report.c_str());
   throw std::runtime_error(report.substr(0, report.find('\n')));
@@ -130,7 +164,7 @@ inline unsigned failures() {
 /// there was nothing to explore, for `body` began no threads.
 inline Explored explore(const std::function<void()>& body, const Exploration& how = {},
                         const std::source_location& where = std::source_location::current()) {
-  detail::forget_failures(where);
+  detail::begin(where);
   const irt_exploration asked{how.threads, how.seconds, how.strategy, how.seed, detail::failures};
   irt_explored explored{};
   irt_explore([](void* function) { (*static_cast<const std::function<void()>*>(function))(); },
@@ -139,4 +173,7 @@ inline Explored explore(const std::function<void()>& body, const Exploration& ho
   return {explored.executions, explored.whole};
 }
 
-}  // namespace irt
+}  // namespace irt::inline IRT_EXPLORE_IN
+
+#undef IRT_EXPLORE_IN
+#undef IRT_EXPLORE_IN_CATCH
