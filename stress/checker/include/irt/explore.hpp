@@ -66,7 +66,8 @@ void irt_explore(void (*body)(void*), void* argument, const irt_exploration* how
                  irt_explored* explored);
 }
 
-namespace irt::inline IRT_EXPLORE_IN {
+namespace irt {
+inline namespace IRT_EXPLORE_IN {
 
 struct Exploration {
   unsigned threads = 8;           ///< at most, that of the body included; up to 15
@@ -173,7 +174,8 @@ inline Explored explore(const std::function<void()>& body, const Exploration& ho
   return {explored.executions, explored.whole};
 }
 
-}  // namespace irt::inline IRT_EXPLORE_IN
+}  // namespace IRT_EXPLORE_IN
+}  // namespace irt
 
 #undef IRT_EXPLORE_IN
 #undef IRT_EXPLORE_IN_CATCH
