@@ -137,6 +137,7 @@ int run_tests(const std::string& file, const std::vector<std::string>& arguments
   tests = &module;
   std::vector<std::string> words = arguments;
   std::vector<char*> names;
+  names.reserve(words.size() + 1);
   for (std::string& word : words) names.push_back(word.data());
   names.push_back(nullptr);
   const auto main = module.find_any({"irt_main", "main"});

@@ -18,7 +18,6 @@
 
 namespace {
 
-using irt::virtual_cores::active;
 using irt::virtual_cores::address_of;
 using irt::virtual_cores::announce_write;
 using irt::virtual_cores::ask;

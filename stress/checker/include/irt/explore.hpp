@@ -21,7 +21,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
-#include <source_location>
 #include <stdexcept>
 #include <string>
 
@@ -48,6 +47,7 @@
 #define IRT_EXPLORE_IN in_no_framework
 #endif
 
+// NOLINTBEGIN(readability-identifier-naming): names of C
 extern "C" {
 struct irt_exploration {
   unsigned threads;
@@ -65,6 +65,7 @@ struct irt_explored {
 void irt_explore(void (*body)(void*), void* argument, const irt_exploration* how,
                  irt_explored* explored);
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace irt {
 inline namespace IRT_EXPLORE_IN {
@@ -85,7 +86,7 @@ namespace detail {
 
 // Failed assertions that a framework notes without an exception, of the test in progress.
 #if defined(GTEST_TEST)
-inline void begin(const std::source_location&) {}
+inline void begin(const char*, unsigned) {}
 inline unsigned failures() {
   const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
   unsigned count = 0;
@@ -96,14 +97,14 @@ inline unsigned failures() {
 #elif defined(IRT_EXPLORE_IN_CATCH)
 // It tells no number to tests. Its last result is that of the last assertion that has failed,
 // unless it is asked to report those that pass, too.
-inline void begin(const std::source_location& where) {
+inline void begin(const char* file, unsigned line) {
   if (Catch::getCurrentContext().getConfig()->includeSuccessfulResults())
     throw std::runtime_error(
         "irt::explore: nothing is explored with --success, for a CHECK that fails is not known "
         "then "
         "once another one passes");
   const Catch::AssertionInfo info{
-      "irt::explore", {where.file_name(), where.line()}, "", Catch::ResultDisposition::Normal};
+      "irt::explore", {file, line}, "", Catch::ResultDisposition::Normal};
   Catch::AssertionReaction reaction;
   Catch::getResultCapture().handleMessage(info, Catch::ResultWas::Info, {}, reaction);
 }
@@ -111,7 +112,7 @@ inline unsigned failures() {
   return Catch::getResultCapture().getLastResult()->isOk() ? 0 : 1;
 }
 #elif defined(BOOST_TEST_CASE)
-inline void begin(const std::source_location&) {}
+inline void begin(const char*, unsigned) {}
 inline unsigned failures() {
   namespace boost_test = boost::unit_test;
   return static_cast<unsigned>(
@@ -138,12 +139,12 @@ struct FailedAssertions : doctest::IReporter {
   void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 inline const int listens = doctest::registerReporter<FailedAssertions>("irt", 1, false);
-inline void begin(const std::source_location&) {}
+inline void begin(const char*, unsigned) {}
 inline unsigned failures() {
   return listens >= 0 ? failed_assertions : 0;
 }
 #else
-inline void begin(const std::source_location&) {}
+inline void begin(const char*, unsigned) {}
 inline constexpr unsigned (*failures)() = nullptr;
 #endif
 
@@ -162,10 +163,10 @@ inline constexpr unsigned (*failures)() = nullptr;
 /// Runs `body` and the threads that it begins in every execution, or in as many as there is time
 /// for. Throws std::runtime_error, with the counterexample, where one is wrong: a failed assertion,
 /// an exception, a data race, a deadlock, memory that is used after it was freed, ...; also where
-/// there was nothing to explore, for `body` began no threads.
+/// there was nothing to explore, for `body` began no threads. `file` and `line` are the caller's.
 inline Explored explore(const std::function<void()>& body, const Exploration& how = {},
-                        const std::source_location& where = std::source_location::current()) {
-  detail::begin(where);
+                        const char* file = __builtin_FILE(), unsigned line = __builtin_LINE()) {
+  detail::begin(file, line);
   const irt_exploration asked{how.threads, how.seconds, how.strategy, how.seed, detail::failures};
   irt_explored explored{};
   irt_explore([](void* function) { (*static_cast<const std::function<void()>*>(function))(); },
