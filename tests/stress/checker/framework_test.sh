@@ -38,5 +38,5 @@ for wrong in 'where it must hold' 'and goes on' 'again where another one has fai
   run "${only[$framework]}$name" && fail "wrong $wrong: passes"
   grep -Eq 'an assertion of the test has failed|an exception left a thread: .*(TestFailureException|execution_aborted)' \
     "$told" || fail "wrong $wrong: something else is told: $(cat "$told")"
-  grep -q 'Numbers are lines of .*assertions.cpp' "$told" || fail "lines of others: $(cat "$told")"
+  grep -q 'Numbers are lines of additions.hpp' "$told" || fail "lines of others: $(cat "$told")"
 done

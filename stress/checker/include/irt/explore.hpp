@@ -100,9 +100,8 @@ inline unsigned failures() {
 inline void begin(const char* file, unsigned line) {
   if (Catch::getCurrentContext().getConfig()->includeSuccessfulResults())
     throw std::runtime_error(
-        "irt::explore: nothing is explored with --success, for a CHECK that fails is not known "
-        "then "
-        "once another one passes");
+        "irt::explore: nothing is explored with --success (-s), for it hides a CHECK that fails "
+        "behind the next one that passes; leave it away");
   const Catch::AssertionInfo info{
       "irt::explore", {file, line}, "", Catch::ResultDisposition::Normal};
   Catch::AssertionReaction reaction;

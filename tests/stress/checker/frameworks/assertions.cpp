@@ -7,29 +7,11 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 #endif
-#include <atomic>
 #include <irt/explore.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
-namespace {
-
-int additions_made(bool at_once) {
-  std::atomic<int> sum{0};
-  const auto add = [&] {
-    if (at_once)
-      sum.fetch_add(1);
-    else
-      sum = sum + 1;
-  };
-  std::thread other(add);
-  add();
-  other.join();
-  return sum;
-}
-
-}  // namespace
+#include "additions.hpp"
 
 TEST_CASE("right assertions") {
   const irt::Explored explored = irt::explore([] {

@@ -2,27 +2,9 @@
 #define BOOST_TEST_MODULE assertions
 #include <boost/test/included/unit_test.hpp>
 // In this order.
-#include <atomic>
 #include <irt/explore.hpp>
-#include <thread>
 
-namespace {
-
-int additions_made(bool at_once) {
-  std::atomic<int> sum{0};
-  const auto add = [&] {
-    if (at_once)
-      sum.fetch_add(1);
-    else
-      sum = sum + 1;
-  };
-  std::thread other(add);
-  add();
-  other.join();
-  return sum;
-}
-
-}  // namespace
+#include "additions.hpp"
 
 BOOST_AUTO_TEST_CASE(right_assertions) {
   int runs = 0;
