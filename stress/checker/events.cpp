@@ -85,22 +85,22 @@ void Events::on_failure(const std::string& what, const void* pc) {
   conclusion.report(FindingKind::failure, what + " at {0}", {pc});
 }
 
-bool Events::patient(double seconds) const {
-  return seconds < longest_computation && !parts.state.conclusion.deadline().passed();
+bool Computations::patient(double seconds) const {
+  return seconds < longest_computation && !parts_.state.conclusion.deadline().passed();
 }
 
-void Events::spins(const void* pc, bool endless, double seconds) {
+void Computations::spins(const void* pc, bool endless, double seconds) {
   if (!endless)
-    parts.state.conclusion.give_up_computing(
+    parts_.state.conclusion.give_up_computing(
         pc, seconds, fmt::format("{} s in one call without an event", longest_computation));
-  parts.turns.mine().waiting = true;
-  parts.turns.mine().wait_pc = pc;
-  parts.state.conclusion.report(
+  parts_.turns.mine().waiting = true;
+  parts_.turns.mine().wait_pc = pc;
+  parts_.state.conclusion.report(
       FindingKind::livelock,
       fmt::format("{} loops at {{0}} for ever: it looks at no memory but its stack, and that and "
                   "its registers have come back to what they were",
-                  parts.state.phase == Phase::parallel
-                      ? fmt::format("thread {}", parts.state.current())
+                  parts_.state.phase == Phase::parallel
+                      ? fmt::format("thread {}", parts_.state.current())
                       : "the only thread"),
       {pc});
 }

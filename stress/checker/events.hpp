@@ -37,6 +37,19 @@ struct ExecutionParts {
   Process process{state, turns, accesses};
 };
 
+/// Code that runs on without an event.
+class Computations final : public virtual_cores::Computing {
+ public:
+  explicit Computations(ExecutionParts& parts) : parts_(parts) {}
+
+  [[nodiscard]] std::uint64_t beats() const override { return parts_.state.beats; }
+  [[nodiscard]] bool patient(double seconds) const override;
+  [[noreturn]] void spins(const void* pc, bool endless, double seconds) override;
+
+ private:
+  ExecutionParts& parts_;
+};
+
 class Events final : public virtual_cores::Tenant {
  public:
   Events(const Program& program, const Limits& limits) : parts(program, limits, *this) {}
@@ -82,9 +95,6 @@ class Events final : public virtual_cores::Tenant {
   void leave_function(std::uintptr_t frame_end, const void* pc) override;
   unsigned finished(unsigned core) override;
   void on_failure(const std::string& what, const void* pc) override;
-  [[nodiscard]] std::uint64_t beats() const override { return parts.state.beats; }
-  [[nodiscard]] bool patient(double seconds) const override;
-  void spins(const void* pc, bool endless, double seconds) override;
 
   ExecutionParts parts;
 };

@@ -79,7 +79,8 @@ class Execution {
     std::vector<Step> steps;
   };
   std::map<const void*, Lost> never_freed_;  ///< by place: the first execution that lost some
-  virtual_cores::SpinWatch spin_watch_{parts_.state.cores};
+  Computations computations_{parts_};
+  virtual_cores::SpinWatch spin_watch_{parts_.state.cores, computations_};
 };
 
 }  // namespace irt::checker

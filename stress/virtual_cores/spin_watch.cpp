@@ -155,17 +155,15 @@ struct Report {
   double seconds = 0;
 } report;
 
-[[noreturn]] void report_spin() {
-  active->spins(reinterpret_cast<const void*>(report.pc + 1), report.endless, report.seconds);
-  std::abort();
-}
+[[noreturn]] void report_spin();
 
 }  // namespace
 
 struct SpinWatch::Search {
-  explicit Search(const Cores& c) : cores(c), cycle(c.stack_bytes()) {}
+  Search(const Cores& c, Computing& told) : cores(c), computing(told), cycle(c.stack_bytes()) {}
 
   const Cores& cores;
+  Computing& computing;
   unsigned core = host;
   std::uint64_t beats = 0;
   double seconds = 0;         ///< without a beat
@@ -180,16 +178,16 @@ struct SpinWatch::Search {
 
   void forget() {
     core = current_core;
-    beats = active->beats();
+    beats = computing.beats();
     seconds = 0;
     next = 2 * tick_seconds;
     instructions = fewest_instructions;
   }
 
   void tick(ucontext_t& context) {
-    if (current_core != core || core == host || active->beats() != beats) return forget();
+    if (current_core != core || core == host || computing.beats() != beats) return forget();
     seconds += tick_seconds;
-    if (!active->patient(seconds)) {
+    if (!computing.patient(seconds)) {
       // The runtime and the tenant must not be left in the middle of what they do.
       const auto pc = static_cast<std::uintptr_t>(context.uc_mcontext.gregs[REG_RIP]);
       if (is_code_of_a_module(pc)) conclude(context, pc, false);
@@ -218,7 +216,7 @@ struct SpinWatch::Search {
   }
 
   void step(ucontext_t& context) {
-    if (current_core != core || active->beats() != beats) {
+    if (current_core != core || computing.beats() != beats) {
       forget();
       return end(context);
     }
@@ -238,6 +236,15 @@ struct SpinWatch::Search {
 
 SpinWatch::Search* SpinWatch::Search::running = nullptr;
 
+namespace {
+
+void report_spin() {
+  SpinWatch::Search::running->computing.spins(reinterpret_cast<const void*>(report.pc + 1),
+                                              report.endless, report.seconds);
+}
+
+}  // namespace
+
 void single_step(ucontext_t& context) {
   SpinWatch::Search* const search = SpinWatch::Search::running;
   if (search != nullptr && search->searching)
@@ -246,7 +253,8 @@ void single_step(ucontext_t& context) {
     context.uc_mcontext.gregs[REG_EFL] &= ~trap_flag;
 }
 
-SpinWatch::SpinWatch(const Cores& cores) : search_(new Search(cores)) {
+SpinWatch::SpinWatch(const Cores& cores, Computing& computing)
+    : search_(new Search(cores, computing)) {
   Search::running = search_.get();
   struct sigaction action {};
   action.sa_sigaction = Search::on_tick;

@@ -155,16 +155,6 @@ unsigned Tenant::finished(unsigned) {
   return host;
 }
 
-std::uint64_t Tenant::beats() const {
-  return 0;
-}
-bool Tenant::patient(double) const {
-  return true;
-}
-void Tenant::spins(const void* pc, bool, double) {
-  failed("code that loops without an event", pc);
-}
-
 void Tenant::on_failure(const std::string& what, const void*) {
   std::cerr << "virtual cores: " << what << '\n';
   std::_Exit(1);

@@ -151,15 +151,6 @@ class Tenant {
   /// The code cannot go on: an uncaught exception, abort(), a failed assertion, an unsupported
   /// call. Must not return; the default prints `what` and exits the process.
   virtual void on_failure(const std::string& what, const void* pc);
-
-  // Code that only computes; asked and told where a SpinWatch lives, the first two at any moment.
-  /// A number that changes with whatever the core in progress does but compute.
-  [[nodiscard]] virtual std::uint64_t beats() const;
-  /// Whether it may go on with that for more than `seconds` of the processor's time.
-  [[nodiscard]] virtual bool patient(double seconds) const;
-  /// It may not, or it is certain that it never does anything else again (`endless`). Must not
-  /// return; the default is a failure.
-  virtual void spins(const void* pc, bool endless, double seconds);
   [[noreturn]] void failed(const std::string& what, const void* pc);
 };
 
@@ -243,11 +234,27 @@ class Cores {
   std::unique_ptr<State> state_;
 };
 
-/// Watches for code that runs on without an event, for which nobody else is ever asked: while this
-/// lives, the tenant hears of it by `spins`. Uses SIGPROF, SIGTRAP and their timer.
+/// What becomes of code that only computes. The first two are asked at any moment.
+class Computing {
+ public:
+  Computing() = default;
+  Computing(const Computing&) = delete;
+  Computing& operator=(const Computing&) = delete;
+  virtual ~Computing() = default;
+
+  /// A number that changes with whatever the core in progress does but compute.
+  [[nodiscard]] virtual std::uint64_t beats() const = 0;
+  /// Whether it may go on with that for more than `seconds` of the processor's time.
+  [[nodiscard]] virtual bool patient(double seconds) const = 0;
+  /// It may not, or it is certain that it never does anything else again (`endless`).
+  [[noreturn]] virtual void spins(const void* pc, bool endless, double seconds) = 0;
+};
+
+/// Watches for code that runs on without an event, for which no tenant is ever asked, while this
+/// lives. Uses SIGPROF, SIGTRAP and their timer.
 class SpinWatch {
  public:
-  explicit SpinWatch(const Cores& cores);
+  SpinWatch(const Cores& cores, Computing& computing);
   SpinWatch(const SpinWatch&) = delete;
   SpinWatch& operator=(const SpinWatch&) = delete;
   ~SpinWatch();
