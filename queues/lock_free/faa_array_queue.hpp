@@ -13,9 +13,9 @@
 /// of two, makes smaller arrays.
 ///
 /// How it works: linked_rings.hpp has the list. A push takes a ticket and changes the place of that
-/// number from *nothing* to its element; a pop takes a ticket and swaps *taken* into its place. Where
-/// the pop comes first, the push finds *taken* and takes the next ticket. An array is closed once
-/// all tickets have been given out.
+/// number from *nothing* to its element; a pop takes a ticket and swaps *taken* into its place.
+/// Where the pop comes first, the push finds *taken* and takes the next ticket. An array is closed
+/// once all tickets have been given out.
 ///
 /// What differs from the original, and why:
 /// - Tickets that follow each other have places in different cache lines.
@@ -91,7 +91,8 @@ class UsedOnceArray {
   bool take_rest(unsigned worker, std::uint64_t& word) { return take(worker, word); }
 
  private:
-  // Eight places share a line of 64 bytes, so tickets that follow each other are eight places apart.
+  // Eight places share a line of 64 bytes, so tickets that follow each other are eight places
+  // apart.
   std::atomic<std::uint64_t>& place_of(std::uint64_t ticket) {
     const std::uint64_t mask = places_.size() - 1;
     return places_[(8 * ticket + (ticket >> (std::max(bits_, 3U) - 3))) & mask];

@@ -1,19 +1,19 @@
-/// A list of rings, each of which takes elements until it is closed for good: how LCRQ (Morrison and
-/// Afek 2013, "Fast Concurrent Queues for x86 Processors", PPoPP, section 4.2) makes an unbounded
-/// queue of bounded ones, and after it FAAArrayQueue, LSCQ and LPRQ.
+/// A list of rings, each of which takes elements until it is closed for good: how LCRQ (Morrison
+/// and Afek 2013, "Fast Concurrent Queues for x86 Processors", PPoPP, section 4.2) makes an
+/// unbounded queue of bounded ones, and after it FAAArrayQueue, LSCQ and LPRQ.
 ///
 /// When to use: a ring is fast, but bounded, or may have to give itself up. When not: the ring is
 /// bounded and that will do; a list needs reclamation and an allocator.
 ///
-/// Ordering, progress: the ring's, apart from the allocator. Memory: a ring, and one more when it is
-/// closed; a ring that was left waits for hazard pointers, see there for the bound. Unbounded. A
+/// Ordering, progress: the ring's, apart from the allocator. Memory: a ring, and one more when it
+/// is closed; a ring that was left waits for hazard pointers, see there for the bound. Unbounded. A
 /// smaller `capacity`, rounded up to a power of two, makes smaller rings.
 ///
 /// How it works: a push whose ring is closed links a new ring behind it, which has the element
-/// already, and moves `tail_` there, or lets any other thread do it. A pop that finds its ring empty
-/// and a next one linked looks once more, since between the two pushes may have filled the ring and
-/// closed it, and then moves `head_` on. A worker's hazard pointer goes on naming the ring it used
-/// last, so that only the first operation on a ring pays the barrier.
+/// already, and moves `tail_` there, or lets any other thread do it. A pop that finds its ring
+/// empty and a next one linked looks once more, since between the two pushes may have filled the
+/// ring and closed it, and then moves `head_` on. A worker's hazard pointer goes on naming the ring
+/// it used last, so that only the first operation on a ring pays the barrier.
 ///
 /// A ring has
 ///

@@ -20,10 +20,10 @@
 /// take it for its own, and a step that comes too late fails. So an element in the place always
 /// belongs to the round that stands beside it.
 ///
-/// What differs from the paper, and why:
-/// - A push that broken locks keep from its place gives back what it had taken at once, as in the
-///   paper; but it does not ask again for the same place.
-/// - A pop that comes first waits for the push a fixed number of looks, as in closable_ring.hpp.
+/// What differs from the paper, and why: a push that finds its lock broken, or the round moved on
+/// before its own, takes another ticket, and a pop that comes first waits for a number of looks
+/// that does not depend on what others do (closable_ring.hpp), so that a ring's places differ in
+/// nothing else from LCRQ's.
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,7 @@ namespace irt {
 /// A place of the paper's PRQ.
 class PrqPlace {
  public:
-  /// Bits that no element has.
+  /// Of a word: no element has it.
   static constexpr std::uint64_t lock_bit = std::uint64_t{1} << 63U;
 
   struct View {
@@ -47,27 +47,29 @@ class PrqPlace {
     std::uint64_t word = 0;   // an element, a push's lock, or nothing
 
     [[nodiscard]] std::uint64_t round() const { return state >> 1U; }
-    [[nodiscard]] bool is_unsafe() const { return (state & 1U) != 0; }
+    [[nodiscard]] bool is_unsafe() const { return (state & unsafe) != 0; }
     [[nodiscard]] bool is_locked() const { return (word & lock_bit) != 0; }
     [[nodiscard]] bool is_full() const { return word != nothing && !is_locked(); }
   };
 
   /// Wait-free.
   [[nodiscard]] View look() const {
-    // (1) acquire: pairs with (5), (6) and (9): who sees an element sees its round, and who then
-    // finds the state unchanged has seen the two together
+    // (1) acquire: pairs with (4), so that who sees a round that a push has moved on to sees its
+    // lock, too, and breaks it; with (7), so that who sees a mark sees the ticket of who made it
     const std::uint64_t state = state_.load(std::memory_order_acquire);
+    // (2) acquire: pairs with (5), so that the task is read as written, and its round is seen by
+    // (6)
     return {state, word_.load(std::memory_order_acquire)};
   }
 
-  // The round in which a push may fill the place is that of its last pop or push, plus one.
+  // A push that has its lock in the place has moved the round on, or is about to.
   static bool awaits(View seen, std::uint64_t round) {
     return !seen.is_full() && seen.round() <= round + (seen.is_locked() ? 1 : 0);
   }
 
   void put_first(std::uint64_t word) {
     // relaxed, twice: whoever links the ring releases them
-    state_.store(1U << 1U, std::memory_order_relaxed);
+    state_.store(state_of(1), std::memory_order_relaxed);
     word_.store(word, std::memory_order_relaxed);
   }
 
@@ -79,48 +81,54 @@ class PrqPlace {
     if (seen.is_unsafe() && overtaken()) return false;
     const std::uint64_t lock = lock_bit | worker;
     std::uint64_t expected = nothing;
-    // (4) the lock
-    if (!word_.compare_exchange_strong(expected, lock, std::memory_order_seq_cst)) return false;
+    // (3) relaxed: (4) publishes the lock
+    if (!word_.compare_exchange_strong(expected, lock, std::memory_order_relaxed)) return false;
     std::uint64_t state = seen.state;
-    // (5) the round
-    if (state_.compare_exchange_strong(state, (round + 1) << 1U, std::memory_order_seq_cst)) {
-      expected = lock;
-      // (6) the element
-      return word_.compare_exchange_strong(expected, word, std::memory_order_seq_cst);
-    }
+    // (4) release: pairs with (1). relaxed on failure: the place is another's
+    const bool mine = state_.compare_exchange_strong(
+        state, state_of(round + 1), std::memory_order_release, std::memory_order_relaxed);
     expected = lock;
-    word_.compare_exchange_strong(expected, nothing, std::memory_order_seq_cst);
-    return false;
+    // (5) release: pairs with (2). relaxed on failure: a pop has broken the lock
+    return word_.compare_exchange_strong(expected, mine ? word : nothing, std::memory_order_release,
+                                         std::memory_order_relaxed) &&
+           mine;
   }
 
   /// Lock-free.
   bool empty(View seen, std::uint64_t round, std::uint64_t& word) {
     for (;; seen = look()) {
-      if (state_.load(std::memory_order_seq_cst) != seen.state) continue;
+      // (6) relaxed: (2) is an acquire. Only what lay there together is worth a thought
+      if (state_.load(std::memory_order_relaxed) != seen.state) continue;
       if (seen.round() > round + 1) return false;
-      if (seen.is_full()) {
-        if (seen.round() == round + 1) {
-          word_.store(nothing, std::memory_order_seq_cst);
-          word = seen.word;
-          return true;
-        }
-        if (seen.is_unsafe() ||
-            state_.compare_exchange_strong(seen.state, seen.state | 1U, std::memory_order_seq_cst))
-          return false;
-      } else {
-        if (seen.is_locked() && !word_.compare_exchange_strong(seen.word, nothing,
-                                                               std::memory_order_seq_cst))
+      if (!seen.is_full()) {
+        // relaxed, twice: a lock is broken or not
+        if (seen.is_locked() &&
+            !word_.compare_exchange_strong(seen.word, nothing, std::memory_order_relaxed))
           continue;
-        const std::uint64_t moved = (round + 1) << 1U | (seen.state & 1U);
+        const std::uint64_t moved = state_of(round + 1) | (seen.state & unsafe);
+        // relaxed, twice: who sees the new round takes another ticket
         if (seen.round() == round + 1 ||
-            state_.compare_exchange_strong(seen.state, moved, std::memory_order_seq_cst))
+            state_.compare_exchange_strong(seen.state, moved, std::memory_order_relaxed))
           return false;
+      } else if (seen.round() == round + 1) {
+        // relaxed: nobody else may take it, and a push that sees this late takes another ticket
+        word_.store(nothing, std::memory_order_relaxed);
+        word = seen.word;
+        return true;
+      } else if (seen.is_unsafe() ||
+                 // (7) release: pairs with (1). relaxed on failure: another look follows
+                 state_.compare_exchange_strong(seen.state, seen.state | unsafe,
+                                                std::memory_order_release,
+                                                std::memory_order_relaxed)) {
+        return false;
       }
     }
   }
 
  private:
   static constexpr std::uint64_t nothing = 0;
+  static constexpr std::uint64_t unsafe = 1;  // of a state
+  static std::uint64_t state_of(std::uint64_t round) { return round << 1U; }
 
   std::atomic<std::uint64_t> state_{0};
   std::atomic<std::uint64_t> word_{nothing};
