@@ -80,9 +80,9 @@ class ClosableRing {
   /// Takes the oldest word; false if there is none. Lock-free.
   bool take(unsigned /*worker*/, std::uint64_t& word) {
     for (;;) {
-      // (2) acq_rel: pairs with the one of the ticket before, and with (3) of linked_rings.hpp. A
-      // pop that began after a push had returned may have overtaken this one; who has a later
-      // ticket must not miss that push there
+      // (2) acq_rel: pairs with the one of the ticket before, and with the links of
+      // linked_rings.hpp. A pop that began after a push had returned may have overtaken this one;
+      // who has a later ticket must not miss that push there
       const std::uint64_t ticket = head_.fetch_add(1, std::memory_order_acq_rel);
       Place& place = place_of(ticket);
       if (place.empty(await(place, ticket), ticket >> bits_, word)) return true;

@@ -57,7 +57,7 @@ class UsedOnceArray {
   /// Adds `word` at the back; false if the array is used up. Lock-free.
   bool put(unsigned /*worker*/, std::uint64_t word) {
     for (;;) {
-      // (1) seq_cst: pairs with (4), so that a pop that begins later sees that there was a push
+      // (1) seq_cst: pairs with (3), so that a pop that begins later sees that there was a push
       const std::uint64_t ticket = tail_.fetch_add(1, std::memory_order_seq_cst);
       if (ticket >= places_.size()) return false;
       std::uint64_t seen = nothing;
@@ -72,13 +72,14 @@ class UsedOnceArray {
   /// Takes the oldest word; false if there is none. Lock-free.
   bool take(unsigned /*worker*/, std::uint64_t& word) {
     for (;;) {
-      // (3) seq_cst: read before (4), so that at some moment all tickets of pushes had been popped
+      // The head before the tail: so at some moment every ticket of a push had been popped.
       const std::uint64_t head = head_.load(std::memory_order_seq_cst);
-      // (4) seq_cst: pairs with (1); an old tail would let us answer *empty* too early
+      // (3) seq_cst: pairs with (1); an old tail would let us answer *empty* too early
       const std::uint64_t tail = tail_.load(std::memory_order_seq_cst);
       if (head >= std::min<std::uint64_t>(tail, places_.size())) return false;
-      // acq_rel: a pop that began after a push had returned may have overtaken this one; who has a
-      // later ticket must not miss that push
+      // (4) acq_rel: pairs with the one of the ticket before, and with the links of
+      // linked_rings.hpp. A pop that began after a push had returned may have overtaken this one;
+      // who has a later ticket must not miss that push
       const std::uint64_t ticket = head_.fetch_add(1, std::memory_order_acq_rel);
       if (ticket >= places_.size()) return false;
       // (5) acquire: pairs with (2)

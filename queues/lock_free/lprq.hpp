@@ -54,11 +54,11 @@ class PrqPlace {
 
   /// Wait-free.
   [[nodiscard]] View look() const {
-    // (1) acquire: pairs with (4), so that who sees a round that a push has moved on to sees its
-    // lock, too, and breaks it; with (7), so that who sees a mark sees the ticket of who made it
+    // (1) acquire: pairs with (3), so that who sees a round that a push has moved on to sees its
+    // lock, too, and breaks it; with (6), so that who sees a mark sees the ticket of who made it
     const std::uint64_t state = state_.load(std::memory_order_acquire);
-    // (2) acquire: pairs with (5), so that the task is read as written, and its round is seen by
-    // (6)
+    // (2) acquire: pairs with (4), so that the task is read as written, and its round is seen by
+    // (5)
     return {state, word_.load(std::memory_order_acquire)};
   }
 
@@ -81,14 +81,14 @@ class PrqPlace {
     if (seen.is_unsafe() && overtaken()) return false;
     const std::uint64_t lock = lock_bit | worker;
     std::uint64_t expected = nothing;
-    // (3) relaxed: (4) publishes the lock
+    // relaxed, twice: (3) publishes the lock
     if (!word_.compare_exchange_strong(expected, lock, std::memory_order_relaxed)) return false;
     std::uint64_t state = seen.state;
-    // (4) release: pairs with (1). relaxed on failure: the place is another's
+    // (3) release: pairs with (1). relaxed on failure: the place is another's
     const bool mine = state_.compare_exchange_strong(
         state, state_of(round + 1), std::memory_order_release, std::memory_order_relaxed);
     expected = lock;
-    // (5) release: pairs with (2). relaxed on failure: a pop has broken the lock
+    // (4) release: pairs with (2). relaxed on failure: a pop has broken the lock
     return word_.compare_exchange_strong(expected, mine ? word : nothing, std::memory_order_release,
                                          std::memory_order_relaxed) &&
            mine;
@@ -97,7 +97,7 @@ class PrqPlace {
   /// Lock-free.
   bool empty(View seen, std::uint64_t round, std::uint64_t& word) {
     for (;; seen = look()) {
-      // (6) relaxed: (2) is an acquire. Only what lay there together is worth a thought
+      // (5) relaxed: (2) is an acquire. Only what lay there together is worth a thought
       if (state_.load(std::memory_order_relaxed) != seen.state) continue;
       if (seen.round() > round + 1) return false;
       if (!seen.is_full()) {
@@ -116,7 +116,7 @@ class PrqPlace {
         word = seen.word;
         return true;
       } else if (seen.is_unsafe() ||
-                 // (7) release: pairs with (1). relaxed on failure: another look follows
+                 // (6) release: pairs with (1). relaxed on failure: another look follows
                  state_.compare_exchange_strong(seen.state, seen.state | unsafe,
                                                 std::memory_order_release,
                                                 std::memory_order_relaxed)) {

@@ -63,21 +63,23 @@ class NumberRing {
   /// Adds a number that is not inside at the back; false if the ring is closed. Lock-free.
   bool put(std::uint64_t number) {
     for (;;) {
-      // (1) seq_cst: pairs with (10), so that a take that begins later sees that there was a put
+      // (1) seq_cst: pairs with (7), so that a take that begins later sees that there was a put
       const std::uint64_t ticket = tail_.fetch_add(1, std::memory_order_seq_cst);
       if ((ticket & closed) != 0) return false;
       std::atomic<std::uint64_t>& entry = entry_at(ticket);
-      // (2) acquire, here and on failure of (3): pairs with (8), so that where a take has unmarked
-      // the place its ticket is seen below, relaxed
+      // (2) acquire: pairs with (10), so that where a take has unmarked the place its ticket is
+      // seen below, be it relaxed
       std::uint64_t seen = entry.load(std::memory_order_acquire);
       while (round_of(seen) < round_at(ticket) && number_in(seen) == none() &&
              (is_safe(seen) || head_.load(std::memory_order_relaxed) <= ticket)) {
-        // (3) seq_cst: pairs with (7), so that what the number stands for is read as written. And
-        // an old threshold read below would not be raised although takes have gone by this place
+        // (3) seq_cst: pairs with (9), so that what the number stands for is read as written; with
+        // (6), so that a later ticket does not miss it; and with (8): an old threshold, read below,
+        // would not be raised although takes had gone by this place before
+        // (11) acquire: on failure; as (2), pairs with (10)
         if (!entry.compare_exchange_weak(seen, entry_of(round_at(ticket), number),
                                          std::memory_order_seq_cst, std::memory_order_acquire))
           continue;
-        // (4) seq_cst, twice: pairs with (5), (9) and (11), so that a take that begins later looks
+        // (4) seq_cst: twice; pairs with (5) and (8), so that a take that begins later looks
         if (threshold_.load(std::memory_order_seq_cst) != most_failures())
           threshold_.store(most_failures(), std::memory_order_seq_cst);
         return true;
@@ -90,20 +92,17 @@ class NumberRing {
     // (5) seq_cst: pairs with (4)
     if (threshold_.load(std::memory_order_seq_cst) < 0) return false;
     for (;;) {
-      // (6) acq_rel: pairs with the one of the ticket before. A take that began after a put had
-      // returned may have overtaken this one; who has a later ticket must not miss that put there
+      // (6) acq_rel: pairs with the one of the ticket before, and with (3). A take that began after
+      // a put had returned may have overtaken this one; who has a later ticket must not miss that
+      // put
       const std::uint64_t ticket = head_.fetch_add(1, std::memory_order_acq_rel);
       if (empty(ticket, number)) return true;
-      // (10) seq_cst: pairs with (1); an old tail would let us answer *empty* too early
+      // (7) seq_cst: pairs with (1); an old tail would let us answer *empty* too early
       const std::uint64_t tail = tail_.load(std::memory_order_seq_cst) & ~closed;
-      if (tail <= ticket + 1) {
-        catch_up(ticket + 1);
-        // (11) seq_cst: as (9)
-        threshold_.fetch_sub(1, std::memory_order_seq_cst);
-        return false;
-      }
-      // (9) seq_cst: pairs with (4)
-      if (threshold_.fetch_sub(1, std::memory_order_seq_cst) <= 0) return false;
+      const bool at_end = tail <= ticket + 1;
+      if (at_end) catch_up(ticket + 1);
+      // (8) seq_cst: pairs with (3) and (4)
+      if (threshold_.fetch_sub(1, std::memory_order_seq_cst) <= 0 || at_end) return false;
     }
   }
 
@@ -146,19 +145,19 @@ class NumberRing {
   // Takes the number of `ticket`, or sees to it that no put can leave it there any more.
   bool empty(std::uint64_t ticket, std::uint64_t& number) {
     std::atomic<std::uint64_t>& entry = entry_at(ticket);
-    // relaxed: what is seen is for (7) and (8) to confirm
+    // relaxed: what is seen is for (9) and (10) to confirm
     std::uint64_t seen = entry.load(std::memory_order_relaxed);
     for (;;) {
       if (round_of(seen) == round_at(ticket)) {
-        // (7) acquire: pairs with (3). The place keeps its round and its mark
+        // (9) acquire: pairs with (3). The place keeps its round and its mark
         number = number_in(entry.fetch_or(none(), std::memory_order_acquire));
-        return number != none();
+        return true;
       }
       if (round_of(seen) > round_at(ticket)) return false;
       const std::uint64_t moved = number_in(seen) == none()
                                       ? round_at(ticket) << (bits_ + 2) | (seen & safe()) | none()
                                       : seen & ~safe();
-      // (8) release: pairs with (2). relaxed on failure: as above
+      // (10) release: pairs with (2) and (11). relaxed on failure: as above
       if (seen == moved || entry.compare_exchange_weak(seen, moved, std::memory_order_release,
                                                        std::memory_order_relaxed))
         return false;
