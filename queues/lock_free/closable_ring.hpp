@@ -43,51 +43,65 @@
 
 namespace irt {
 
-template <class Place>
+/// Tickets, each taken once: 0, 1, 2 ...; by a fetch-and-add each.
+class PlainTickets {
+ public:
+  explicit PlainTickets(unsigned /*workers*/) {}
+
+  /// Wait-free.
+  std::uint64_t take(unsigned /*worker*/, std::memory_order order) {
+    return next.fetch_add(1, order);
+  }
+
+  std::atomic<std::uint64_t> next{0};
+};
+
+/// `Tickets` as `PlainTickets`, or in a way that many threads can share better.
+template <class Place, class Tickets = PlainTickets>
 class ClosableRing {
  public:
   std::atomic<ClosableRing*> next{nullptr};
 
   /// 2^`bits` places; `bits` at least 1.
-  ClosableRing(unsigned bits, unsigned /*workers*/)
-      : bits_(bits), places_(std::size_t{1} << bits) {}
+  ClosableRing(unsigned bits, unsigned workers)
+      : bits_(bits), places_(std::size_t{1} << bits), head_(workers), tail_(workers) {}
 
   /// Adds the first word of a ring that nobody else knows yet.
   void put_first(std::uint64_t word) {
     places_[0].put_first(word);
     // relaxed: whoever links the ring releases it
-    tail_.store(1, std::memory_order_relaxed);
+    tail_.next.store(1, std::memory_order_relaxed);
   }
 
   /// Adds `word` at the back; false if the ring is closed, which it may do itself. Lock-free.
   bool put(unsigned worker, std::uint64_t word) {
     for (std::size_t tries = std::min(places_.size(), most_tries); tries > 0; --tries) {
       // (1) seq_cst: pairs with (3), so that a pop that begins later sees that there was a push
-      const std::uint64_t ticket = tail_.fetch_add(1, std::memory_order_seq_cst);
+      const std::uint64_t ticket = tail_.take(worker, std::memory_order_seq_cst);
       if ((ticket & closed) != 0) return false;
       // relaxed: `fill` says what must be seen
-      const auto overtaken = [&] { return head_.load(std::memory_order_relaxed) > ticket; };
+      const auto overtaken = [&] { return head_.next.load(std::memory_order_relaxed) > ticket; };
       if (place_of(ticket).fill(ticket >> bits_, word, worker, overtaken)) return true;
       // relaxed: at worst an old head closes the ring too early
-      const std::uint64_t ahead = ticket - head_.load(std::memory_order_relaxed);
+      const std::uint64_t ahead = ticket - head_.next.load(std::memory_order_relaxed);
       if (static_cast<std::int64_t>(ahead) >= static_cast<std::int64_t>(places_.size())) break;
     }
     // relaxed: who links a ring behind this one has read the bit, and the link tells the pops
-    tail_.fetch_or(closed, std::memory_order_relaxed);
+    tail_.next.fetch_or(closed, std::memory_order_relaxed);
     return false;
   }
 
   /// Takes the oldest word; false if there is none. Lock-free.
-  bool take(unsigned /*worker*/, std::uint64_t& word) {
+  bool take(unsigned worker, std::uint64_t& word) {
     for (;;) {
       // (2) acq_rel: pairs with the one of the ticket before, and with the links of
       // linked_rings.hpp. A pop that began after a push had returned may have overtaken this one;
       // who has a later ticket must not miss that push there
-      const std::uint64_t ticket = head_.fetch_add(1, std::memory_order_acq_rel);
+      const std::uint64_t ticket = head_.take(worker, std::memory_order_acq_rel);
       Place& place = place_of(ticket);
       if (place.empty(await(place, ticket), ticket >> bits_, word)) return true;
       // (3) seq_cst: pairs with (1); an old tail would let us answer *empty* too early
-      if ((tail_.load(std::memory_order_seq_cst) & ~closed) <= ticket + 1) {
+      if ((tail_.next.load(std::memory_order_seq_cst) & ~closed) <= ticket + 1) {
         catch_up();
         return false;
       }
@@ -117,7 +131,8 @@ class ClosableRing {
     const std::uint64_t round = ticket >> bits_;
     typename Place::View seen = place.look();
     // relaxed: at worst we wait for nobody, or do not wait
-    if (!Place::awaits(seen, round) || (tail_.load(std::memory_order_relaxed) & ~closed) <= ticket)
+    if (!Place::awaits(seen, round) ||
+        (tail_.next.load(std::memory_order_relaxed) & ~closed) <= ticket)
       return seen;
     for (std::size_t looks = 1 + places_.size() / 64; looks > 0 && Place::awaits(seen, round);
          --looks) {
@@ -130,11 +145,11 @@ class ClosableRing {
   // Pops have taken tickets that no push has had: moves the tail behind them.
   void catch_up() {
     // relaxed, all three: only tickets to be spoilt are saved; an old head saves fewer
-    std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+    std::uint64_t tail = tail_.next.load(std::memory_order_relaxed);
     for (;;) {
-      const std::uint64_t head = head_.load(std::memory_order_relaxed);
+      const std::uint64_t head = head_.next.load(std::memory_order_relaxed);
       if (head <= tail) return;
-      if (tail_.compare_exchange_strong(tail, head, std::memory_order_relaxed)) return;
+      if (tail_.next.compare_exchange_strong(tail, head, std::memory_order_relaxed)) return;
     }
   }
 
@@ -146,8 +161,8 @@ class ClosableRing {
 
   unsigned bits_;
   std::vector<Place> places_;
-  alignas(cache_line_pair) std::atomic<std::uint64_t> head_{0};
-  alignas(cache_line_pair) std::atomic<std::uint64_t> tail_{0};
+  alignas(cache_line_pair) Tickets head_;
+  alignas(cache_line_pair) Tickets tail_;
 };
 
 }  // namespace irt

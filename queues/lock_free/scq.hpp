@@ -75,7 +75,7 @@ class NumberRing {
         // (3) seq_cst: pairs with (9), so that what the number stands for is read as written; with
         // (6), so that a later ticket does not miss it; and with (8): an old threshold, read below,
         // would not be raised although takes had gone by this place before
-        // (11) acquire: on failure; as (2), pairs with (10)
+        // (11) acquire: on failure; pairs with (10)
         if (!entry.compare_exchange_weak(seen, entry_of(round_at(ticket), number),
                                          std::memory_order_seq_cst, std::memory_order_acquire))
           continue;
