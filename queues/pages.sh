@@ -19,7 +19,7 @@ queues() {
 # The comment above `#pragma once`, as Markdown.
 comment() {
   sed -n '/^\/\/\//!q; s,^/// \{0\,1\},,p' "$1" |
-    sed -E 's/(^|[.)] )(When to use|When not|Ordering|Ordering, progress|Progress|Memory|How it works|What differs from [^:,]*(, and why)?|Not done):/\1**\2**:/g'
+    sed -E 's/(^|[.)] )(When to use|When not|Ordering|Ordering, progress|Ordering, progress, memory, bounds|Progress|Memory|How it works|What differs from [^:,]*(, and why)?|Not done):/\1**\2**:/g'
 }
 
 # What is said of `class` in `header`: the text of its `summary`, the source of its `claims`.
@@ -70,10 +70,12 @@ while read -r name header class; do
       [[ $its_header == "$header" ]] || continue
       echo "\`$other\`: $(summary_of "$here/$header" "$its_class")."
       echo
-      echo '```cpp'
-      claims_of "$here/$header" "$its_class"
-      echo '```'
-      echo
+      claims=$(claims_of "$here/$header" "$its_class")
+      if [[ -n $claims ]]; then
+        printf '```cpp\n%s\n```\n\n' "$claims"
+      else
+        printf 'It claims what the queue inside does.\n\n'
+      fi
     done
     echo "Source: [\`queues/$header\`](../../queues/$header). What the claims mean, and who tests them:"
     echo "[claims](../claims.md)."

@@ -1,4 +1,12 @@
-/// The queues of the tree that are registered with a pop that waits: see `waiting_queue.hpp`.
+/// LFREE and Vyukov's ring behind an event count, so that their pop may wait.
+///
+/// When to use: workers that find nothing should sleep, and the queue must be lock-free, or bounded.
+/// When not: the queue `mutex` waits by itself, and is cheaper where every push is under a lock
+/// anyway.
+///
+/// Ordering, progress, memory, bounds: those of the queue inside.
+///
+/// How it works: waiting_queue.hpp puts the event count around any queue.
 #pragma once
 
 #include <string_view>
