@@ -96,7 +96,9 @@ class SplitDeque {
     // (3) acquire: pairs with (6), so that the array is read as filled
     const Places& places = *places_.load(std::memory_order_acquire);
     for (std::size_t i = 0; i < count; ++i) words[i] = places.read(shared.tail() + i);
-    // (5) release: pairs with (1). relaxed on failure: nothing was read but a change
+    // (5) release: pairs with (1). Only a machine whose loads may wait for later stores shows it,
+    // which the checker's memory model leaves out. relaxed on failure: nothing was read but a
+    // change
     if (!shared_.compare_exchange_strong(shared.word, shared.without(count).word,
                                          std::memory_order_release, std::memory_order_relaxed))
       return Theft::lost;
