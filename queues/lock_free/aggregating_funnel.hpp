@@ -6,20 +6,23 @@
 /// some eighty of today's. When not: fewer; a ticket costs two fetch-and-adds and a wait. Threads
 /// are stopped in the midst of calls, for then others wait for them.
 ///
-/// Progress: blocking. Memory: with p workers and so sqrt(p) aggregators, some kilobytes for each.
+/// Progress: blocking. Memory: with p workers and so sqrt(p) aggregators, two kilobytes for each
+/// and a pair of cache lines for each worker.
 ///
 /// How it works: the workers are dealt out to aggregators, about sqrt(p) to each. Who wants a
 /// ticket adds one to its aggregator's count. The first that comes after a batch is the next
 /// batch's delegate: it reads the count, adds as many as have come to the counter proper, all at
 /// once, and writes down where the batch begins there. The others wait for that and work out their
-/// own tickets from it. So both the counter and an aggregator are shared by sqrt(p) threads only.
+/// own tickets from it. So both the counter and an aggregator are shared by sqrt(p) threads only,
+/// and a member meets two lines: the count and the last batch.
 ///
 /// What differs from the paper, and why:
 /// - Tickets are taken one at a time and never given back, so that there are no negative
 /// aggregators.
-/// - The paper links the batches of an aggregator and reclaims them by epochs. Here they stand in a
-///   ring, and one is written over when all its members have read it; a member that is stopped
-///   before it does holds up its aggregator after so many batches as the ring has.
+/// - The paper links the batches of an aggregator and reclaims them by epochs. Here the last ones
+///   stand in a ring, for members that come too late to see their batch as the last. Before it asks
+///   a worker writes down which batch was the last; so the delegate that is about to write over a
+///   batch sees who may still have to read it, and waits. It asks only once for half a ring.
 /// - No thread goes to the counter directly.
 #pragma once
 
@@ -39,43 +42,66 @@ class AggregatedTickets {
  public:
   explicit AggregatedTickets(unsigned workers)
       : workers_each_(square_root(workers)),
-        aggregators_((workers + workers_each_ - 1) / workers_each_) {}
+        aggregators_((workers + workers_each_ - 1) / workers_each_),
+        asking_(workers) {}
 
   /// Of all workers one after the other. Blocking. At least as strong as sequentially consistent,
   /// whatever order is asked for.
   std::uint64_t take(unsigned worker, std::memory_order /*order*/) {
     Aggregator& mine = aggregators_[worker / workers_each_];
-    // (1) acq_rel: pairs with (2); what this worker did before is known to whoever serves it
+    Asking& asking = asking_[worker];
+    // relaxed: an old one is as good
+    asking.after.store(mine.last.place.load(std::memory_order_relaxed), std::memory_order_relaxed);
+    // (1) acq_rel: pairs with (3); what this worker did before, its `asking` too, is known to
+    // whoever serves it
     const std::uint64_t number = mine.asked.fetch_add(1, std::memory_order_acq_rel);
-    for (unsigned looks = 1;; ++looks) {
-      // (3) acquire: pairs with (5), so that the batch is read as written
-      const std::uint64_t served = mine.served.load(std::memory_order_acquire);
-      if (served == number) return serve(mine, number);
-      if (served > number) return read(mine, number);
-      pause();
-      if (looks % looks_before_yield == 0) std::this_thread::yield();
+    std::uint64_t ticket = 0;
+    for (Pace pace;; pace.wait()) {
+      // (2) acquire: pairs with (5), so that the batch is read as written
+      const std::uint64_t served = mine.last.end.load(std::memory_order_acquire);
+      if (served < number) continue;
+      ticket = served == number ? serve(mine, number) : read(mine, number);
+      break;
     }
+    // (6) release: pairs with (4), so that the batch is written over after it was read
+    asking.after.store(nothing, std::memory_order_release);
+    return ticket;
   }
 
-  std::atomic<std::uint64_t> next{0};
+  alignas(cache_line_pair) std::atomic<std::uint64_t> next{0};
 
  private:
-  static constexpr unsigned looks_before_yield = 64;
-  static constexpr std::size_t batches_each = 16;
+  static constexpr std::size_t batches_each = 64;
+  static constexpr std::uint64_t nothing = ~std::uint64_t{0};
 
-  /// Of the numbers from `begin` to before `end`: the tickets from `ticket` on.
+  /// Of the numbers from `begin` to before `end`: the tickets from `ticket` on. Batches are
+  /// counted, and stand at that `place` of the ring.
   struct Batch {
     std::atomic<std::uint64_t> begin{0};
     std::atomic<std::uint64_t> end{0};
     std::atomic<std::uint64_t> ticket{0};
-    std::atomic<std::uint64_t> unread{0};  // how many members have yet to read it
+    std::atomic<std::uint64_t> place{0};
   };
 
   struct Aggregator {
     alignas(cache_line_pair) std::atomic<std::uint64_t> asked{0};
-    alignas(cache_line_pair) std::atomic<std::uint64_t> served{0};  // the end of the last batch
-    std::atomic<std::uint64_t> last{0};                             // its place, counted on
+    alignas(cache_line_pair) Batch last;
+    alignas(cache_line_pair) std::uint64_t unread = 0;  // batches from this place on may be
     std::array<Batch, batches_each> batches;
+  };
+
+  /// The place of the last batch before a worker asked, or nothing.
+  struct alignas(cache_line_pair) Asking {
+    std::atomic<std::uint64_t> after{nothing};
+  };
+
+  /// Of a thread that waits for another: gives way to it now and then.
+  struct Pace {
+    unsigned looks = 0;
+    void wait() {
+      pause();
+      if (++looks % 64 == 0) std::this_thread::yield();
+    }
   };
 
   static unsigned square_root(unsigned number) {
@@ -86,46 +112,56 @@ class AggregatedTickets {
 
   // Fetches the tickets of all who have asked from `number` on; returns the first.
   std::uint64_t serve(Aggregator& mine, std::uint64_t number) {
-    // relaxed: written by the delegate before, whom (3) has seen
-    const std::uint64_t place = mine.last.load(std::memory_order_relaxed) + 1;
-    Batch& batch = mine.batches[place % batches_each];
-    // (4) acquire: pairs with (6), so that the batch is written after it was read
-    for (unsigned looks = 1; batch.unread.load(std::memory_order_acquire) != 0; ++looks) {
-      pause();
-      if (looks % looks_before_yield == 0) std::this_thread::yield();
-    }
-    // (2) acquire: pairs with (1)
+    // relaxed: written by the delegate before, whom (2) has seen
+    const std::uint64_t place = mine.last.place.load(std::memory_order_relaxed) + 1;
+    if (place - mine.unread >= batches_each) await_readers(mine, place);
+    // (3) acquire: pairs with (1)
     const std::uint64_t end = mine.asked.load(std::memory_order_acquire);
     const std::uint64_t ticket = next.fetch_add(end - number, std::memory_order_seq_cst);
-    // relaxed, three times: (5) publishes them
-    batch.ticket.store(ticket, std::memory_order_relaxed);
-    batch.unread.store(end - number - 1, std::memory_order_relaxed);
-    batch.begin.store(number, std::memory_order_relaxed);
-    // (7) release: pairs with (8), so that who sees the end of this batch sees its beginning
-    batch.end.store(end, std::memory_order_release);
-    // relaxed: (5) publishes it
-    mine.last.store(place, std::memory_order_relaxed);
-    // (5) release: pairs with (3)
-    mine.served.store(end, std::memory_order_release);
+    write(mine.batches[place % batches_each], number, ticket, place, end);
+    write(mine.last, number, ticket, place, end);
     return ticket;
+  }
+
+  static void write(Batch& batch, std::uint64_t begin, std::uint64_t ticket, std::uint64_t place,
+                    std::uint64_t end) {
+    // relaxed, twice: (7) and (5) publish them
+    batch.begin.store(begin, std::memory_order_relaxed);
+    batch.place.store(place, std::memory_order_relaxed);
+    // (7) release: pairs with (8), so that who sees the ticket sees where its batch begins
+    batch.ticket.store(ticket, std::memory_order_release);
+    // (5) release: pairs with (2) and (8)
+    batch.end.store(end, std::memory_order_release);
+  }
+
+  // Waits until the batch that stood at `place` is not needed any more, and learns how many are
+  // not.
+  void await_readers(Aggregator& mine, std::uint64_t place) {
+    const auto first = static_cast<std::size_t>(&mine - aggregators_.data()) * workers_each_;
+    const auto last = std::min<std::size_t>(first + workers_each_, asking_.size());
+    for (Pace pace; place - mine.unread >= batches_each; pace.wait()) {
+      mine.unread = place;
+      for (std::size_t worker = first; worker < last; ++worker) {
+        // (4) acquire: pairs with (6). Who asked for a batch before this one had written this down
+        // by then, and its delegate has seen it
+        const std::uint64_t after = asking_[worker].after.load(std::memory_order_acquire);
+        if (after != nothing) mine.unread = std::min(mine.unread, after + 1);
+      }
+    }
   }
 
   // The ticket of `number`, which has been fetched: in the last batch or one not long before, which
   // nobody writes over until it is read.
   std::uint64_t read(Aggregator& mine, std::uint64_t number) {
-    // relaxed: (3) has seen the batch, or a later one
-    for (std::uint64_t place = mine.last.load(std::memory_order_relaxed);; --place) {
-      Batch& batch = mine.batches[place % batches_each];
-      // (8) acquire: pairs with (7). relaxed: the beginning is that of this end, or of a later
-      // batch
-      if (batch.end.load(std::memory_order_acquire) <= number) continue;
-      const std::uint64_t begin = batch.begin.load(std::memory_order_relaxed);
-      if (begin > number) continue;
-      // relaxed: written before the end was
-      const std::uint64_t ticket = batch.ticket.load(std::memory_order_relaxed);
-      // (6) release: pairs with (4)
-      batch.unread.fetch_sub(1, std::memory_order_release);
-      return ticket + (number - begin);
+    // relaxed: (2) has seen this batch, or a later one
+    std::uint64_t place = mine.last.place.load(std::memory_order_relaxed);
+    for (Batch* batch = &mine.last;; batch = &mine.batches[place-- % batches_each]) {
+      // (8) acquire: twice; pairs with (5) and (7)
+      const std::uint64_t end = batch->end.load(std::memory_order_acquire);
+      const std::uint64_t ticket = batch->ticket.load(std::memory_order_acquire);
+      // relaxed: after (8). Written first, so that an old one means that all of it was
+      const std::uint64_t begin = batch->begin.load(std::memory_order_relaxed);
+      if (begin <= number && number < end) return ticket + (number - begin);
     }
   }
 
@@ -135,8 +171,10 @@ class AggregatedTickets {
 #endif
   }
 
-  const unsigned workers_each_;
+  // What nobody writes, apart from what all do.
+  alignas(cache_line_pair) const unsigned workers_each_;
   std::vector<Aggregator> aggregators_;
+  std::vector<Asking> asking_;
 };
 
 }  // namespace irt
