@@ -31,19 +31,18 @@
 
 namespace irt {
 
-template <class T>
-class TwoLockQueue {
+/// The algorithm. `Lock::Guard` holds a lock as long as it lives.
+template <class T, class Lock>
+class TwoLockList {
  public:
-  static constexpr std::string_view summary =
-      "LOCK (thesis 7.1): linked list, one mutex for each end";
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .elements = {.large = true, .owner = true, .copied = true}};
 
-  TwoLockQueue(unsigned /*workers*/, std::size_t /*capacity*/) {}
-  TwoLockQueue(const TwoLockQueue&) = delete;
-  TwoLockQueue& operator=(const TwoLockQueue&) = delete;
+  TwoLockList(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  TwoLockList(const TwoLockList&) = delete;
+  TwoLockList& operator=(const TwoLockList&) = delete;
 
-  ~TwoLockQueue() {
+  ~TwoLockList() {
     while (head_ != nullptr) {
       // relaxed: destruction is single-threaded.
       Node* next = head_->next.load(std::memory_order_relaxed);
@@ -55,7 +54,7 @@ class TwoLockQueue {
   /// Adds `task` at the back. Blocking: waits for other pushes. Always true.
   bool push(unsigned /*worker*/, T task) {
     Node* node = new Node{std::move(task)};
-    const std::lock_guard lock(add_mutex_);
+    const typename Lock::Guard guard(add_lock_);
     // (1) release: pairs with the acquire load (2) in pop(), so that the task is read as written
     tail_->next.store(node, std::memory_order_release);
     tail_ = node;
@@ -66,7 +65,7 @@ class TwoLockQueue {
   bool pop(unsigned /*worker*/, T& task) {
     Node* old = nullptr;
     {
-      const std::lock_guard lock(get_mutex_);
+      const typename Lock::Guard guard(get_lock_);
       // (2) acquire: pairs with the release store (1) in push()
       Node* first = head_->next.load(std::memory_order_acquire);
       if (first == nullptr) return false;
@@ -85,10 +84,24 @@ class TwoLockQueue {
     std::atomic<Node*> next{nullptr};
   };
 
-  alignas(cache_line_pair) std::mutex get_mutex_;
+  alignas(cache_line_pair) Lock get_lock_;
   Node* head_ = new Node;
-  alignas(cache_line_pair) std::mutex add_mutex_;
+  alignas(cache_line_pair) Lock add_lock_;
   Node* tail_ = head_;
+};
+
+/// A mutex with the face of our own locks.
+class Mutex : public std::mutex {
+ public:
+  using Guard = std::lock_guard<std::mutex>;
+};
+
+template <class T>
+class TwoLockQueue : public TwoLockList<T, Mutex> {
+ public:
+  static constexpr std::string_view summary =
+      "LOCK (thesis 7.1): linked list, one mutex for each end";
+  using TwoLockList<T, Mutex>::TwoLockList;
 };
 
 }  // namespace irt

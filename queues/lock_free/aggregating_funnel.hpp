@@ -20,9 +20,10 @@
 /// - Tickets are taken one at a time and never given back, so that there are no negative
 /// aggregators.
 /// - The paper links the batches of an aggregator and reclaims them by epochs. Here the last ones
-///   stand in a ring, for members that come too late to see their batch as the last. Before it asks
-///   a worker writes down which batch was the last; so the delegate that is about to write over a
-///   batch sees who may still have to read it, and waits. It asks only once for half a ring.
+///   stand in a ring, for members that come too late to see their batch as the last. Before it
+///   asks, and while it waits, a worker writes down which batch is the last, so that the delegate
+///   that is about to write over a batch sees who may still have to read it, and waits. It looks
+///   only once for many batches.
 /// - No thread goes to the counter directly.
 #pragma once
 
@@ -38,6 +39,8 @@
 
 namespace irt {
 
+/// `batches_each`, at least 2: how many batches an aggregator keeps.
+template <std::size_t batches_each = 64>
 class AggregatedTickets {
  public:
   explicit AggregatedTickets(unsigned workers)
@@ -49,29 +52,40 @@ class AggregatedTickets {
   /// whatever order is asked for.
   std::uint64_t take(unsigned worker, std::memory_order /*order*/) {
     Aggregator& mine = aggregators_[worker / workers_each_];
-    Asking& asking = asking_[worker];
-    // relaxed: an old one is as good
-    asking.after.store(mine.last.place.load(std::memory_order_relaxed), std::memory_order_relaxed);
-    // (1) acq_rel: pairs with (3); what this worker did before, its `asking` too, is known to
+    std::atomic<std::uint64_t>& from = asking_[worker].from;
+    // (9) acquire: here and below; pairs with (10): who sees a batch's place sees the end of the
+    // one before, and was served by none before it
+    std::uint64_t place = mine.last.place.load(std::memory_order_acquire);
+    // relaxed: (1) publishes it
+    from.store(place, std::memory_order_relaxed);
+    // (1) acq_rel: pairs with (3); what this worker did before, what it wrote down too, is known to
     // whoever serves it
     const std::uint64_t number = mine.asked.fetch_add(1, std::memory_order_acq_rel);
-    std::uint64_t ticket = 0;
     for (Pace pace;; pace.wait()) {
+      // As (9) acquire: says.
+      const std::uint64_t latest = mine.last.place.load(std::memory_order_acquire);
       // (2) acquire: pairs with (5), so that the batch is read as written
       const std::uint64_t served = mine.last.end.load(std::memory_order_acquire);
-      if (served < number) continue;
-      ticket = served == number ? serve(mine, number) : read(mine, number);
-      break;
+      if (served < number) {
+        // relaxed: an older one is as good, for a while
+        if (latest != place) from.store(place = latest, std::memory_order_relaxed);
+        continue;
+      }
+      if (served == number) {
+        // relaxed: it reads no batch
+        from.store(nothing, std::memory_order_relaxed);
+        return serve(mine, number);
+      }
+      const std::uint64_t ticket = read(mine, number);
+      // (6) release: pairs with (4), so that the batch is written over after it was read
+      from.store(nothing, std::memory_order_release);
+      return ticket;
     }
-    // (6) release: pairs with (4), so that the batch is written over after it was read
-    asking.after.store(nothing, std::memory_order_release);
-    return ticket;
   }
 
   alignas(cache_line_pair) std::atomic<std::uint64_t> next{0};
 
  private:
-  static constexpr std::size_t batches_each = 64;
   static constexpr std::uint64_t nothing = ~std::uint64_t{0};
 
   /// Of the numbers from `begin` to before `end`: the tickets from `ticket` on. Batches are
@@ -90,9 +104,9 @@ class AggregatedTickets {
     std::array<Batch, batches_each> batches;
   };
 
-  /// The place of the last batch before a worker asked, or nothing.
+  /// The place of the first batch that a worker may have to read, or nothing.
   struct alignas(cache_line_pair) Asking {
-    std::atomic<std::uint64_t> after{nothing};
+    std::atomic<std::uint64_t> from{nothing};
   };
 
   /// Of a thread that waits for another: gives way to it now and then.
@@ -104,9 +118,10 @@ class AggregatedTickets {
     }
   };
 
+  // Rounded up, so that two workers share an aggregator.
   static unsigned square_root(unsigned number) {
     unsigned root = 1;
-    while ((root + 1) * (root + 1) <= number) ++root;
+    while (root * root < number) ++root;
     return root;
   }
 
@@ -125,9 +140,10 @@ class AggregatedTickets {
 
   static void write(Batch& batch, std::uint64_t begin, std::uint64_t ticket, std::uint64_t place,
                     std::uint64_t end) {
-    // relaxed, twice: (7) and (5) publish them
+    // (10) release: pairs with (9)
+    batch.place.store(place, std::memory_order_release);
+    // relaxed: (7) publishes it
     batch.begin.store(begin, std::memory_order_relaxed);
-    batch.place.store(place, std::memory_order_relaxed);
     // (7) release: pairs with (8), so that who sees the ticket sees where its batch begins
     batch.ticket.store(ticket, std::memory_order_release);
     // (5) release: pairs with (2) and (8)
@@ -141,12 +157,10 @@ class AggregatedTickets {
     const auto last = std::min<std::size_t>(first + workers_each_, asking_.size());
     for (Pace pace; place - mine.unread >= batches_each; pace.wait()) {
       mine.unread = place;
-      for (std::size_t worker = first; worker < last; ++worker) {
-        // (4) acquire: pairs with (6). Who asked for a batch before this one had written this down
+      for (std::size_t worker = first; worker < last; ++worker)
+        // (4) acquire: pairs with (6). Who asked for a batch before this one had written down where
         // by then, and its delegate has seen it
-        const std::uint64_t after = asking_[worker].after.load(std::memory_order_acquire);
-        if (after != nothing) mine.unread = std::min(mine.unread, after + 1);
-      }
+        mine.unread = std::min(mine.unread, asking_[worker].from.load(std::memory_order_acquire));
     }
   }
 
@@ -170,6 +184,8 @@ class AggregatedTickets {
     __builtin_ia32_pause();
 #endif
   }
+
+  static_assert(batches_each >= 2, "of one batch, members could not wait for the next");
 
   // What nobody writes, apart from what all do.
   alignas(cache_line_pair) const unsigned workers_each_;

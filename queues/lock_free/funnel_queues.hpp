@@ -30,19 +30,19 @@ constexpr Claims with_funnels(Claims claims) {
 }
 
 template <class T>
-class FunnelLcrq : public LinkedRings<T, ClosableRing<CrqPlace, AggregatedTickets>> {
+class FunnelLcrq : public LinkedRings<T, ClosableRing<CrqPlace, AggregatedTickets<>>> {
  public:
   static constexpr std::string_view summary = "LCRQ whose tickets come by aggregating funnels";
   static constexpr Claims claims = with_funnels(Lcrq<T>::claims);
-  using LinkedRings<T, ClosableRing<CrqPlace, AggregatedTickets>>::LinkedRings;
+  using LinkedRings<T, ClosableRing<CrqPlace, AggregatedTickets<>>>::LinkedRings;
 };
 
 template <class T>
-class FunnelLprq : public LinkedRings<T, ClosableRing<PrqPlace, AggregatedTickets>> {
+class FunnelLprq : public LinkedRings<T, ClosableRing<PrqPlace, AggregatedTickets<>>> {
  public:
   static constexpr std::string_view summary = "LPRQ whose tickets come by aggregating funnels";
   static constexpr Claims claims = with_funnels(Lprq<T>::claims);
-  using LinkedRings<T, ClosableRing<PrqPlace, AggregatedTickets>>::LinkedRings;
+  using LinkedRings<T, ClosableRing<PrqPlace, AggregatedTickets<>>>::LinkedRings;
 };
 
 }  // namespace irt
