@@ -1,4 +1,12 @@
-/// LOCK with locks that spin: see `two_lock_queue.hpp`, and the locks for when to use which.
+/// LOCK with locks that spin, in place of the mutex at each end.
+///
+/// When to use: to see what of LOCK is the mutex: here who waits stays awake, and a lock is handed
+/// over in the order in which it was asked for. When not: more threads than cores, for the lock then
+/// goes to threads that have none.
+///
+/// Ordering, progress, memory, bounds: those of LOCK.
+///
+/// How it works: two_lock_queue.hpp has the list, ticket_lock.hpp and mcs_lock.hpp the locks.
 #pragma once
 
 #include <string_view>

@@ -152,7 +152,7 @@ class BlockFifoQueue {
     std::uint32_t state = block.state.load(std::memory_order_relaxed);
     while ((state & closed) == 0 && pushed(state) < places_) {
       block.places[pushed(state)] = task;
-      // (1) release: pairs with (2) and (3), so that the task is read as written. relaxed on
+      // (1) release: pairs with (2), so that the task is read as written. relaxed on
       // failure: as above
       if (block.state.compare_exchange_strong(state, state + one_pushed, std::memory_order_release,
                                               std::memory_order_relaxed))
@@ -163,19 +163,18 @@ class BlockFifoQueue {
 
   // Takes the oldest task of the block; false if there is none.
   bool take(Block& block, T& task) {
-    // (2) acquire: pairs with (1)
-    std::uint32_t state = block.state.load(std::memory_order_acquire);
-    while (popped(state) < pushed(state)) {
+    for (;;) {
+      // (2) acquire: pairs with (1)
+      std::uint32_t state = block.state.load(std::memory_order_acquire);
+      if (popped(state) == pushed(state)) return false;
       const T taken = block.places[popped(state)];
       // relaxed: the place is not written again
-      // (3) acquire: on failure; pairs with (1)
-      if (block.state.compare_exchange_strong(state, state + one_popped, std::memory_order_relaxed,
-                                              std::memory_order_acquire)) {
+      if (block.state.compare_exchange_strong(state, state + one_popped,
+                                              std::memory_order_relaxed)) {
         task = taken;
         return true;
       }
     }
-    return false;
   }
 
   // Takes a block of `window` for the worker's pushes; null if none is left.

@@ -241,6 +241,7 @@ namespace {
 void report_spin() {
   SpinWatch::Search::running->computing.spins(reinterpret_cast<const void*>(report.pc + 1),
                                               report.endless, report.seconds);
+  std::abort();
 }
 
 }  // namespace
