@@ -19,7 +19,7 @@ run_tests() {
     case $1 in
       --full)
         selection=() packages=("${packages_full[@]}") seconds=900
-        targets='irt-tests irt-concrete-queues'
+        targets='irt-tests irt-queue-modules'
         ;;
       --sanitizer)
         case ${2:-} in

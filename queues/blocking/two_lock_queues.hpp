@@ -1,8 +1,8 @@
 /// LOCK with locks that spin, in place of the mutex at each end.
 ///
 /// When to use: to see what of LOCK is the mutex: here who waits stays awake, and a lock is handed
-/// over in the order in which it was asked for. When not: more threads than cores, for the lock then
-/// goes to threads that have none.
+/// over in the order in which it was asked for. When not: more threads than cores, for the lock
+/// then goes to threads that have none.
 ///
 /// Ordering, progress, memory, bounds: those of LOCK.
 ///

@@ -1,8 +1,8 @@
 /// LFREE and Vyukov's ring behind an event count, so that their pop may wait.
 ///
-/// When to use: workers that find nothing should sleep, and the queue must be lock-free, or bounded.
-/// When not: the queue `mutex` waits by itself, and is cheaper where every push is under a lock
-/// anyway.
+/// When to use: workers that find nothing should sleep, and the queue must be lock-free, or
+/// bounded. When not: the queue `mutex` waits by itself, and is cheaper where every push is under a
+/// lock anyway.
 ///
 /// Ordering, progress, memory, bounds: those of the queue inside.
 ///

@@ -23,9 +23,8 @@
 # the kind `plugin` (queues/modules.hpp): the target irt_<kind>_<name>. The template may use
 # @QUEUE_NAME@, @QUEUE_HEADER@ (as in #include "...") and @QUEUE_CLASS@. irt_queue_source makes the
 # source alone. All modules stand in the folder that the global property IRT_QUEUE_MODULES names;
-# irt_list_modules() writes there which there can be. The target irt-queues builds them, but for those
-# of concrete types, which compile the longest: tests build of these what they measure, and
-# irt-concrete-queues builds them all.
+# irt_list_modules() writes there which there can be. The target irt-queues builds the plug-ins,
+# irt-queue-modules all modules; what else a test opens, irt_use_modules() says.
 #
 # What links a queue's concrete type links the interface library `irt_queue_<name>`, or
 # `irt_queue_headers` for all of them. The global property IRT_QUEUES lists the names in the order
@@ -114,16 +113,25 @@ endfunction()
 
 set_property(GLOBAL PROPERTY IRT_QUEUE_MODULES ${PROJECT_BINARY_DIR}/queues/modules)
 add_custom_target(irt-queues)
-add_custom_target(irt-concrete-queues)
+add_custom_target(irt-queue-modules)
 
 # irt_note_module(<target> <file>): the target builds that file of the folder.
 function(irt_note_module target file)
   set_property(GLOBAL APPEND_STRING PROPERTY IRT_QUEUE_MODULE_LIST "${file}\n")
-  if(file MATCHES "\\.(contention|micro)\\.so$")
-    add_dependencies(irt-concrete-queues ${target})
-  else()
+  if(file MATCHES "^[^.]+\\.so$")
     add_dependencies(irt-queues ${target})
   endif()
+  add_dependencies(irt-queue-modules ${target})
+endfunction()
+
+# irt_use_modules(<target> <kind> <queue>...): the target finds these modules built, of queues that
+# there are.
+function(irt_use_modules target kind)
+  foreach(queue IN LISTS ARGN)
+    if(TARGET irt_${kind}_${queue})
+      add_dependencies(${target} irt_${kind}_${queue})
+    endif()
+  endforeach()
 endfunction()
 
 function(irt_list_modules)

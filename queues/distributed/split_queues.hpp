@@ -36,7 +36,7 @@ template <class T>
 class SplitQueues {
  public:
   static constexpr std::string_view summary =
-      "SPLIT, iRT's own: a half-private deque for each worker, half stolen, nearest first";
+      "SPLIT, iRT's own: half-private deques, half stolen, nearest first";
   static constexpr Claims claims{.push = Progress::wait_free,
                                  .pop = Progress::lock_free,
                                  .empty = Answer::this_worker,

@@ -15,10 +15,6 @@ foreach(run 0 1)
   endif()
 endforeach()
 
-# By default all of them: each object finds what it needs.
-execute_process(COMMAND ${TOOL} --threads 1 --rounds 1 --seconds 0.005 OUTPUT_QUIET
-  COMMAND_ERROR_IS_FATAL ANY)
-
 execute_process(COMMAND ${TOOL} --queue lfre RESULT_VARIABLE code ERROR_VARIABLE said)
 if(NOT code EQUAL 2 OR NOT said MATCHES "^irt bench counted: [^\n]*'lfree'[^\n]*\n$")
   message(FATAL_ERROR "--queue lfre: exit code ${code}: ${said}")
