@@ -3,8 +3,9 @@
 /// Chen 2023, "BWoS: Formally Verified Block-based Work Stealing for Parallel Processing", OSDI).
 ///
 /// When to use: tasks are so short that the barrier of a deque's `take` shows, and so many that a
-/// block of them more or less on one worker does not matter. When not: few and long tasks, for
-/// those in the owner's block can be had by nobody else.
+/// block of them more or less on one worker does not matter. When not: few and long tasks, or a
+/// worker that pushes and does not come back, for what is in the owner's block can be had by nobody
+/// else until the owner goes on to another or leaves.
 ///
 /// Ordering: none. *Empty* speaks for this worker alone: others may have a block in hand. Progress:
 /// `push` is wait-free, apart from the allocator, `pop` lock-free. Memory: blocks of 128 bytes with
@@ -17,7 +18,8 @@
 /// of the lowest block. Owner and thieves so meet in one word of each block, its state, and only
 /// where the owner changes blocks: how many tasks thieves have taken, or that it is the owner's. A
 /// grant gives the state a new version, so that a thief who is late does not take one grant for
-/// another; it reads the task before its compare-and-swap, which fails then.
+/// another; it reads the task before its compare-and-swap, which fails then. An owner that leaves
+/// lends its block to thieves, and takes back what is left when it returns.
 ///
 /// Blocks are numbered from the lowest on. `lowest_` only grows, and only past a block that thieves
 /// have emptied, beneath which the owner never comes again. So the block of number `i` is at
@@ -26,12 +28,12 @@
 ///
 /// What differs from the paper, and why:
 /// - The ring grows where the paper's is full.
-/// - A thief reads a task before the compare-and-swap, not after it. So there is no count of
-/// thieves
-///   who are still reading, and an owner never has to wait for one.
+/// - A thief reads a task before the compare-and-swap, not after it. So nobody counts thieves that
+///   are still reading, and an owner never has to wait for one.
 /// - A block's state has a version in place of its round, as the same round may be granted again.
 /// - Victims are visited from a random one on (stealing_queues.hpp). The paper's probability that
 ///   grows with a victim's length needs this length, which its owner would have to tell.
+/// - Workers may leave. There, thieves never get what is in an owner's block.
 #pragma once
 
 #include <algorithm>
@@ -46,8 +48,9 @@
 #include <vector>
 
 #include "queues/cache_line.hpp"
-#include "queues/distributed/chase_lev_deque.hpp"
 #include "queues/distributed/stealing_queues.hpp"
+#include "queues/distributed/theft.hpp"
+#include "queues/distributed/victims.hpp"
 #include "queues/work_queue.hpp"
 
 namespace irt {
@@ -82,6 +85,19 @@ class BlockDeque {
     return true;
   }
 
+  /// Lends the owner's block to thieves until its next call. For the owner. Wait-free.
+  void leave() {
+    if (begin_ == end_) return;
+    // Thieves take what is at the end of a block.
+    const std::uint64_t up = each - end_;
+    for (std::uint64_t at = end_; at != begin_; --at)
+      block_->write(at - 1 + up, block_->read(at - 1));
+    begin_ += up;
+    grant(lent);
+    begin_ = end_ = each;
+    lent_ = true;
+  }
+
   /// Takes the oldest word that is granted. For all but the owner. Lock-free; `empty` if none is,
   /// and `lost` says that another call took the word or the owner its block.
   Theft steal(std::uint64_t& word) {
@@ -96,7 +112,7 @@ class BlockDeque {
       // relaxed: (3) says what must be seen
       if (lowest_.load(std::memory_order_relaxed) != lowest) continue;
       const std::uint64_t stolen = state & count_mask;
-      if (stolen == owned) return Theft::empty;
+      if (stolen == owned || (stolen == each && (state & lent) != 0)) return Theft::empty;
       if (stolen == each) {
         // (4) release: pairs with (1) and (6). relaxed on failure: another thread has done it
         lowest_.compare_exchange_strong(lowest, lowest + 1, std::memory_order_release,
@@ -115,9 +131,11 @@ class BlockDeque {
   }
 
  private:
-  // A state is a version above a count: of the words that were stolen, or that nobody may steal.
+  // A state is a version, a flag, and a count: of the words that were stolen, or that nobody may
+  // steal. The flag says that the owner has no block above.
   static constexpr std::uint64_t next_version = std::uint64_t{1} << 16U;
-  static constexpr std::uint64_t count_mask = next_version - 1;
+  static constexpr std::uint64_t lent = next_version / 2;
+  static constexpr std::uint64_t count_mask = lent - 1;
   static constexpr std::uint64_t owned = count_mask;
   static_assert(each > 0 && each < owned);
 
@@ -160,8 +178,12 @@ class BlockDeque {
     std::unique_ptr<Ring> older_;
   };
 
-  // Grants the block and goes on in the next.
+  // Grants the owner's block, which is full, and goes on in the next.
   void go_up() {
+    if (std::exchange(lent_, false) && !take_over(*block_)) {
+      begin_ = end_ = 0;
+      return;
+    }
     // relaxed: only the owner writes it
     Ring* ring = ring_.load(std::memory_order_relaxed);
     // (6) acquire: pairs with (4), so that thieves have read the block that is used again; see (5)
@@ -171,29 +193,45 @@ class BlockDeque {
       ring_.store(ring, std::memory_order_release);
     }
     Block& next = ring->at(number_ + 1);
-    // relaxed, three times: only the owner changes a state that is not granted; (8) releases it to
+    // relaxed, twice: only the owner changes a state that is not granted; (8) releases it to
     // thieves that come to the next block, and who is late may take it for nothing to steal
     next.state.store(next.state.load(std::memory_order_relaxed) | owned, std::memory_order_relaxed);
-    const std::uint64_t version = block_->state.load(std::memory_order_relaxed) & ~count_mask;
-    // (8) release: pairs with (3)
-    block_->state.store(version + next_version + begin_, std::memory_order_release);
+    grant(0);
     block_ = &next;
     ++number_;
     begin_ = end_ = 0;
   }
 
-  // Takes over what is left of the block beneath; false if nothing is.
+  // Goes back to what is left of the owner's block, or of the one beneath; false if nothing is.
   bool go_down() {
-    // relaxed, twice: only the owner writes the ring; the compare-and-swap confirms the state
-    Block& beneath = ring_.load(std::memory_order_relaxed)->at(number_ - 1);
-    std::uint64_t state = beneath.state.load(std::memory_order_relaxed);
+    if (std::exchange(lent_, false)) {
+      if (take_over(*block_)) return true;
+      begin_ = end_ = 0;
+    }
+    // relaxed: only the owner writes it
+    if (!take_over(ring_.load(std::memory_order_relaxed)->at(number_ - 1))) return false;
+    --number_;
+    return true;
+  }
+
+  // Lets thieves have the owner's block from `begin_` on.
+  void grant(std::uint64_t flag) {
+    // relaxed: as in go_up()
+    const std::uint64_t state = block_->state.load(std::memory_order_relaxed);
+    const std::uint64_t version = (state & ~(next_version - 1)) + next_version;
+    // (8) release: pairs with (3)
+    block_->state.store(version | flag | begin_, std::memory_order_release);
+  }
+
+  // Makes what thieves have left of `block` the owner's again; false if nothing is.
+  bool take_over(Block& block) {
+    // (9) acquire: here and below; pairs with (5). relaxed on failure: the next one confirms it
+    std::uint64_t state = block.state.load(std::memory_order_acquire);
     while ((state & count_mask) < each) {
-      // (9) acquire: pairs with (5). relaxed on failure: the next one confirms what was read
-      if (!beneath.state.compare_exchange_strong(state, state | owned, std::memory_order_acquire,
-                                                 std::memory_order_relaxed))
+      if (!block.state.compare_exchange_strong(state, state | owned, std::memory_order_acquire,
+                                               std::memory_order_relaxed))
         continue;
-      block_ = &beneath;
-      --number_;
+      block_ = &block;
       begin_ = state & count_mask;
       end_ = each;
       return true;
@@ -208,6 +246,7 @@ class BlockDeque {
   std::uint64_t number_ = 0;
   std::uint64_t begin_ = 0;  // words of the block
   std::uint64_t end_ = 0;
+  bool lent_ = false;
 };
 
 /// The queue, in blocks of `each`: so many tasks at most has a worker that nobody can steal.

@@ -22,7 +22,8 @@
 /// which it copies behind the last. So a place is never given twice at the same tail, and a thief
 /// that slept cannot take one state for another (ABA).
 ///
-/// So a word may be unseen by others: one that is alone, until its owner pushes another.
+/// So words may be unseen by others: those of the owner's alone once all that was shared is stolen,
+/// until the owner's next call. One that leaves shares all it has.
 ///
 /// What differs from the paper, and why:
 /// - There a thief that finds nothing raises a flag, and the owner shares when it sees it. Here the
@@ -84,6 +85,13 @@ class SplitDeque {
     return true;
   }
 
+  /// Shares all words, as far as the count has bits for them. For the owner. Wait-free.
+  void leave() {
+    // relaxed: at worst it was more, and fewer are shared
+    const Shared shared{shared_.load(std::memory_order_relaxed)};
+    share(std::min(bottom_ - split_, Shared::most - shared.count()));
+  }
+
   /// Takes the oldest word that is shared, and moves more, half of them all and at most 15, to
   /// `thief`, whose owner calls. Wait-free.
   Theft steal(std::uint64_t& word, SplitDeque& thief) {
@@ -108,10 +116,10 @@ class SplitDeque {
   }
 
  private:
-  /// `tail` above how many words from there on are shared. The tail wraps round after 2^48 thefts,
+  /// `tail` above how many words from there on are shared. The tail wraps round after 2^40 words,
   /// so that a thief which sleeps through all of them takes one state for another.
   struct Shared {
-    static constexpr unsigned count_bits = 16;
+    static constexpr unsigned count_bits = 24;
     static constexpr std::uint64_t most = (std::uint64_t{1} << count_bits) - 1;
 
     std::uint64_t word = 0;
@@ -138,8 +146,10 @@ class SplitDeque {
   void share_if_nothing_is() {
     // relaxed: a theft that is seen late is one that leaves something
     const Shared shared{shared_.load(std::memory_order_relaxed)};
-    if (shared.count() != 0) return;
-    const std::uint64_t given = std::min<std::uint64_t>((bottom_ - split_ + 1) / 2, Shared::most);
+    if (shared.count() == 0) share(std::min((bottom_ - split_ + 1) / 2, Shared::most));
+  }
+
+  void share(std::uint64_t given) {
     split_ += given;
     // (4) release: pairs with (2)
     shared_.fetch_add(given, std::memory_order_release);

@@ -77,6 +77,10 @@ class Stealing {
     return true;
   }
 
+  /// Where a deque keeps something from thieves, they may have it now. Wait-free.
+  void leave(unsigned worker) requires requires(Deque& deque) { deque.leave(); }
+  { workers_[worker]->deque.leave(); }
+
  private:
   struct alignas(cache_line_pair) Worker {
     Worker(unsigned worker, unsigned workers, std::size_t capacity)
