@@ -4,12 +4,12 @@
 /// When to use: in the renderer, and wherever tasks make tasks. While all have work a worker
 /// touches nothing that others touch, as with LOCAL; once one has none it helps, as with stealing.
 /// When not: one worker pushes what all the others pop, for then every pop is a theft; the oldest
-/// task must leave first; a task that is alone with a worker which does not come back must be seen
-/// by others.
+/// task must leave first; a worker pushes and then neither comes back nor leaves, for others may
+/// not see what it has.
 ///
-/// Ordering: none. *Empty* speaks for this worker: a single task of another may be unseen.
-/// Progress: `push` is wait-free, apart from the allocator, `pop` lock-free. Memory: an array of 8
-/// bytes per place for each worker, which grows and is kept; see split_deque.hpp. Unbounded.
+/// Ordering: none. *Empty* speaks for this worker: tasks of another may be unseen until its next
+/// call. Progress: `push` is wait-free, apart from the allocator, `pop` lock-free. Memory: an array
+/// of 8 bytes per place for each worker, which grows and is kept; see split_deque.hpp. Unbounded.
 ///
 /// How it works: a worker pushes to its own deque and pops from there; split_deque.hpp says what of
 /// it others see. A thief goes round all others, nearest first (victims.hpp), and brings half of
