@@ -41,13 +41,16 @@ enum class Callers : std::uint8_t {
 
 /// When the memory of an element that has left is used again or returned.
 enum class Reclamation : std::uint8_t {
-  immediate,        ///< at once, under a lock or by the only owner
-  hazard_pointers,  ///< when no thread's hazard pointer names it (Michael 2004)
-  epochs,           ///< when every thread has passed the epoch in which it was retired
-  free_list,        ///< kept for reuse, returned when the queue is destroyed
-  preallocated,     ///< a fixed array: nothing is allocated after construction
-  at_destruction,   ///< never reused before the queue is destroyed: memory grows with every push
-  library,          ///< the library's own scheme, taken as it comes
+  immediate,         ///< at once, under a lock or by the only owner
+  hazard_pointers,   ///< when no thread's hazard pointer names it (Michael 2004)
+  epochs,            ///< when every thread has passed the epoch in which it was retired
+  free_list,         ///< kept for reuse, returned when the queue is destroyed
+  preallocated,      ///< a fixed array: nothing is allocated after construction
+  at_destruction,    ///< never reused before the queue is destroyed: memory grows with every push
+  library,           ///< the library's own scheme, taken as it comes
+  quiescent_states,  ///< when every worker has been between two operations (QSBR)
+  hazard_eras,       ///< when no thread holds an era in which it was inside
+  last_reader,       ///< by the last of those who were inside an operation (Hyaline)
 };
 
 /// What *full* or *empty* speaks of. A call is *in flight* during another if neither happens before

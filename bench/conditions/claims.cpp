@@ -28,8 +28,9 @@ const char* words(Progress progress) {
 }
 
 const char* words(Reclamation reclamation) {
-  constexpr std::array names{"at once",      "hazard pointers", "epochs",           "free list",
-                             "preallocated", "at destruction",  "the library's own"};
+  constexpr std::array names{
+      "at once",        "hazard pointers",   "epochs",           "free list",   "preallocated",
+      "at destruction", "the library's own", "quiescent states", "hazard eras", "last reader"};
   return names.at(static_cast<std::size_t>(reclamation));
 }
 

@@ -73,7 +73,7 @@ class LinkedRings {
   bool push(unsigned worker, T task) {
     std::unique_ptr<Ring> fresh;
     for (;;) {
-      Ring* ring = protect(worker, at_tail, tail_);
+      Ring* ring = protect<at_tail>(worker, tail_);
       // (1) seq_cst: pairs with (2), so that a ring we move `tail_` to is whole for who reads it
       // there, and what we push into it comes behind that link in the order of all
       Ring* next = ring->next.load(std::memory_order_seq_cst);
@@ -100,7 +100,7 @@ class LinkedRings {
   bool pop(unsigned worker, T& task) {
     std::uint64_t word = 0;
     for (;;) {
-      Ring* ring = protect(worker, at_head, head_);
+      Ring* ring = protect<at_head>(worker, head_);
       if (ring->take(worker, word)) break;
       // (3) seq_cst: pairs with (2), and with the tickets of pops for order among them. Who sees a
       // ring here sees `ring` closed, too
@@ -109,25 +109,27 @@ class LinkedRings {
       if (ring->take_rest(worker, word)) break;
       // `tail_` must have left `ring` before `head_` does, or a push would find it freed
       move(tail_, ring, next);
-      if (move(head_, ring, next)) hazards_.retire(worker, ring);
+      if (move(head_, ring, next)) hazards_.guard(worker).retire(ring);
     }
     task = element_of<T>(word);
     return true;
   }
 
  private:
-  enum Slot : std::size_t { at_head, at_tail };
+  enum Place : std::size_t { at_head, at_tail };
 
   struct alignas(cache_line_pair) Used {
     std::array<Ring*, 2> ring{};
   };
 
-  // The ring in `source`. One that our slot names since an earlier call has been safe ever since.
-  Ring* protect(unsigned worker, Slot slot, const std::atomic<Ring*>& source) {
-    Ring*& used = used_[worker].ring[slot];
+  // The ring in `source`. One that our hazard pointer names since an earlier call has been safe
+  // ever since, which only hazard pointers promise.
+  template <Place place>
+  Ring* protect(unsigned worker, const std::atomic<Ring*>& source) {
+    Ring*& used = used_[worker].ring[place];
     // relaxed: a ring that was left is closed, and says where to go on
     if (source.load(std::memory_order_relaxed) != used)
-      used = hazards_.protect(worker, slot, source);
+      used = hazards_.guard(worker).template protect<place>(source);
     return used;
   }
 

@@ -31,7 +31,7 @@
 ///   is the paper's theorem, and nothing would break if it did not.
 /// - The last look of a pop in vain is a round as any other, for every round makes sure that its
 ///   worker is not served yet after it has protected the first node, not before.
-/// - A node's hazard pointer and the look that confirms it are one step, `publish`; there is no
+/// - A node's hazard pointer and the look that confirms it are one step, `try_protect`; there is no
 ///   `protect` here, which is only lock-free.
 #pragma once
 
@@ -112,11 +112,11 @@ class TurnQueue {
     // Who gave it may not have moved `head_` yet, which must have left `old` before it is retired.
     // relaxed, twice: as in hand_out(); and the node is known, so that it is only compared
     Node* first = head_.load(std::memory_order_relaxed);
-    if (hazards_.publish(worker, at_first, first, head_, first) &&
+    if (hazards_.guard(worker).template try_protect<at_first>(first, head_, first) &&
         first->next.load(std::memory_order_relaxed) == node)
       move(head_, first, node);
     task = std::move(node->task);
-    if (old != &first_) hazards_.retire(worker, old);
+    if (old != &first_) hazards_.guard(worker).retire(old);
     return true;
   }
 
@@ -143,9 +143,9 @@ class TurnQueue {
   // A round of pushing: sees to it that a node is behind the one that is last now, if one is
   // offered.
   void link(unsigned worker) {
-    // relaxed: a guess that publish() confirms
+    // relaxed: a guess that try_protect() confirms
     Node* last = tail_.load(std::memory_order_relaxed);
-    if (!hazards_.publish(worker, at_last, last, tail_, last)) return;
+    if (!hazards_.guard(worker).template try_protect<at_last>(last, tail_, last)) return;
     // It is in the list, and must not be offered any more when another one is linked behind it.
     // relaxed: (3) confirms it
     std::atomic<Node*>& offered = offered_[last->pusher];
@@ -174,16 +174,16 @@ class TurnQueue {
   // A round of popping: sees to it that the first node goes to somebody, unless `worker`, which had
   // `old`, has been served. False if there is none.
   bool hand_out(unsigned worker, const Node* old) {
-    // relaxed: a guess that publish() confirms
+    // relaxed: a guess that try_protect() confirms
     Node* first = head_.load(std::memory_order_relaxed);
-    if (!hazards_.publish(worker, at_first, first, head_, first)) return true;
+    if (!hazards_.guard(worker).template try_protect<at_first>(first, head_, first)) return true;
     // relaxed: what was given before `first` became the first is seen, which is all that matters
     if (given_[worker].load(std::memory_order_relaxed) != old) return true;
     // (11) seq_cst: pairs with (9), together with the load in popper_of()
     if (tail_.load(std::memory_order_seq_cst) == first) return false;
     // relaxed: (11) has acquired what follows `first`, for (13) is a release of it
     Node* next = first->next.load(std::memory_order_relaxed);
-    if (!hazards_.publish(worker, at_next, next, head_, first)) return true;
+    if (!hazards_.guard(worker).template try_protect<at_next>(next, head_, first)) return true;
     give(worker, popper_of(next, first, worker), next, first);
     move(head_, first, next);
     return true;
@@ -208,20 +208,21 @@ class TurnQueue {
 
   // `popper` finds `node` in `given_`, unless it is not behind `first` any more.
   void give(unsigned worker, unsigned popper, Node* node, const Node* first) {
-    // (14) acquire: pairs with (12), so that where it was given later than `node`, publish() finds
-    // `head_` moved. While that is at `first` the popper cannot have retired `old`, which is
+    // (14) acquire: pairs with (12), so that where it was given later than `node`, try_protect()
+    // finds `head_` moved. While that is at `first` the popper cannot have retired `old`, which is
     // therefore the same node until (12)
     Node* old = given_[popper].load(std::memory_order_acquire);
-    if (old != node && (popper == worker || hazards_.publish(worker, at_given, old, head_, first)))
+    if (old != node && (popper == worker ||
+                        hazards_.guard(worker).template try_protect<at_given>(old, head_, first)))
       // (12) release: pairs with (8) and (14). relaxed on failure: another thread has done it
       given_[popper].compare_exchange_strong(old, node, std::memory_order_release,
                                              std::memory_order_relaxed);
   }
 
   static void move(std::atomic<Node*>& source, Node* from, Node* to) {
-    // (13) release: pairs with the load in publish() of hazard_pointers.hpp, so that `to` is whole
-    // for who reads it there; and with the fence there, which is what retire() asks for. relaxed on
-    // failure: another thread has done it
+    // (13) release: pairs with the load in try_protect() of hazard_pointers.hpp, so that `to` is
+    // whole for who reads it there; and with the fence there, which is what retire() asks for.
+    // relaxed on failure: another thread has done it
     source.compare_exchange_strong(from, to, std::memory_order_release, std::memory_order_relaxed);
   }
 

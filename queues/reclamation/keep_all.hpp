@@ -4,39 +4,58 @@
 /// When to use: in measurements, beside a reclaimer that works. When not: anywhere else; memory
 /// grows with every element.
 ///
-/// Progress: wait-free. Memory: the structure keeps its nodes reachable and frees them when it is
-/// destroyed.
+/// Progress: wait-free, apart from the allocator. Memory: the structure keeps its nodes reachable
+/// and discards them when it is destroyed.
 ///
-/// How it works: the interface of `HazardPointers`; since no node is ever freed, every node is
+/// How it works: the interface of reclaimer.hpp; since no node is ever freed, every node is
 /// protected.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
+#include <utility>
+
+#include "queues/reclamation/reclaimer.hpp"
 
 namespace irt {
 
 template <class Node>
 class KeepAll {
  public:
-  /// What is retired is not freed: the structure does it when it is destroyed.
-  static constexpr bool frees = false;
+  static constexpr Offers offers{.nodes = any_number, .follows_retired = true, .frees = false};
 
-  KeepAll(unsigned /*workers*/, std::size_t /*batch*/) {}
+  KeepAll(unsigned workers, std::size_t batch) : nodes_(workers, batch) {}
 
-  /// Always true. Wait-free.
-  bool publish(unsigned /*worker*/, std::size_t /*slot*/, Node* /*node*/,
-               const std::atomic<Node*>& /*source*/, const Node* /*expected*/) {
-    return true;
+  class Guard {
+   public:
+    /// The node that `source` holds. Wait-free.
+    template <std::size_t place>
+    Node* protect(const std::atomic<Node*>& source) const {
+      // (1) acquire: pairs with the releases that move head and tail in michael_scott_queue.hpp
+      return source.load(std::memory_order_acquire);
+    }
+
+    /// Always true. Wait-free.
+    template <std::size_t place>
+    bool try_protect(Node* /*node*/, const std::atomic<Node*>& /*source*/,
+                     const Node* /*expected*/) const {
+      return true;
+    }
+
+    /// Nothing. Wait-free.
+    void retire(Node* /*node*/) const {}
+  };
+
+  [[nodiscard]] Guard guard(unsigned /*worker*/) const { return {}; }
+
+  template <class... Arguments>
+  Node* make(unsigned worker, Arguments&&... arguments) {
+    return nodes_.make(worker, std::forward<Arguments>(arguments)...);
   }
+  void discard(unsigned worker, Node* node) { nodes_.free(worker, node); }
 
-  /// The node that `source` holds. Wait-free.
-  Node* protect(unsigned /*worker*/, std::size_t /*slot*/, const std::atomic<Node*>& source) {
-    // (1) acquire: pairs with the releases that move head and tail in michael_scott_queue.hpp
-    return source.load(std::memory_order_acquire);
-  }
-
-  void retire(unsigned /*worker*/, Node* /*node*/) {}
+ private:
+  HeapNodes<Node> nodes_;
 };
 
 }  // namespace irt

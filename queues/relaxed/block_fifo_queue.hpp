@@ -94,7 +94,9 @@ class BlockFifoQueue {
     Worker& mine = workers_[worker];
     while (mine.pushes_to == nullptr || !put(*mine.pushes_to, task)) {
       mine.pushes_to = nullptr;  // from here on its window may go
-      Window* window = hazards_.protect(worker, mine.slot, tail_);
+      const auto guard = hazards_.guard(worker);
+      Window* window = mine.slot == of_push ? guard.template protect<of_push>(tail_)
+                                            : guard.template protect<of_other_push>(tail_);
       mine.pushes_to = taken_block(mine, *window);
       if (mine.pushes_to == nullptr && extend(worker, window, task)) return true;
     }
@@ -192,7 +194,7 @@ class BlockFifoQueue {
   // A block with a task, in the first window that is not done with; null if there is none.
   Block* filled_block(unsigned worker) {
     for (;;) {
-      Window* window = hazards_.protect(worker, of_pop, head_);
+      Window* window = hazards_.guard(worker).template protect<of_pop>(head_);
       // (4) acquire: pairs with (6), so that where there is a next window it is whole, and all
       // blocks of this one are seen taken
       Window* next = window->next.load(std::memory_order_acquire);
@@ -210,7 +212,7 @@ class BlockFifoQueue {
       if (next == nullptr) return nullptr;
       // `tail_` must have left `window` before `head_` does, or a push would find it freed
       move(tail_, window, next);
-      if (move(head_, window, next)) hazards_.retire(worker, window);
+      if (move(head_, window, next)) hazards_.guard(worker).retire(window);
     }
   }
 
@@ -242,7 +244,11 @@ class BlockFifoQueue {
       Worker& mine = workers_[worker];
       const Slot slot = mine.slot == of_push ? of_other_push : of_push;
       // Nobody else knows it yet, so that it is safe from now on, whatever is answered.
-      hazards_.publish(worker, slot, fresh.get(), tail_, window);
+      const auto guard = hazards_.guard(worker);
+      if (slot == of_push)
+        guard.template try_protect<of_push>(fresh.get(), tail_, window);
+      else
+        guard.template try_protect<of_other_push>(fresh.get(), tail_, window);
       // (6) release: pairs with (4), (5) and (7)
       // (7) acquire: on failure; pairs with (6) for the same
       is_mine = window->next.compare_exchange_strong(next, fresh.get(), std::memory_order_release,

@@ -91,7 +91,7 @@ class KFifoList {
   bool push(unsigned worker, T task) {
     const std::uint64_t word = word_of(task);
     for (;;) {
-      Segment* segment = hazards_.protect(worker, 0, tail_);
+      Segment* segment = hazards_.guard(worker).template protect<0>(tail_);
       const Found free = find(worker, *segment, [](std::uint64_t seen) { return seen == nothing; });
       if (free.slot == nullptr) {
         extend(segment);
@@ -111,7 +111,7 @@ class KFifoList {
   /// for a segment it throws, and has taken nothing.
   bool pop(unsigned worker, T& task) {
     for (;;) {
-      Segment* segment = hazards_.protect(worker, 0, head_);
+      Segment* segment = hazards_.guard(worker).template protect<0>(head_);
       // (2) acquire: pairs with (7) and (9), so that the search sees what moved the gate
       const std::uint64_t gate = segment->gate.load(std::memory_order_acquire);
       Found found = find(worker, *segment,
@@ -138,7 +138,7 @@ class KFifoList {
         continue;
       // `tail_` must have left `segment` before `head_` does, or a push would find it freed
       move(tail_, segment, next);
-      if (move(head_, segment, next)) hazards_.retire(worker, segment);
+      if (move(head_, segment, next)) hazards_.guard(worker).retire(segment);
     }
   }
 
@@ -184,7 +184,7 @@ class KFifoList {
   // not, it is in no slot any more. The paper's `committed`.
   bool stays(Segment& segment, Slot& slot, std::uint64_t word) {
     // (6) seq_cst: pairs with (1) and (5) as is said there, where the pop has read `head_` by the
-    // load in publish() of hazard_pointers.hpp; and with (12), so that the gate of a segment that
+    // load in try_protect() of hazard_pointers.hpp; and with (12), so that the gate of a segment that
     // was left is seen closed
     const bool first = head_.load(std::memory_order_seq_cst) == &segment;
     // (7) release: pairs with (2). relaxed, of the load: the one before says what must be seen

@@ -2,129 +2,77 @@
 
 #include <atomic>
 #include <gtest/gtest.h>
-#include <set>
-#include <thread>
 #include <vector>
+
+#include "tests/queues/noted_nodes.hpp"
 
 namespace irt {
 namespace {
 
-struct Node {
-  std::atomic<int> alive{1};
-};
+template <std::size_t places>
+using Hazards = HazardPointers<TestNode, places, NotedNodes>;
 
-std::set<Node*>& freed() {
-  static std::set<Node*> nodes;
-  return nodes;
+class HazardPointersTest : public NotedTest {};
+
+TEST_F(HazardPointersTest, free_what_nobody_protects) {
+  Hazards<1> hazards(2, 1);
+  TestNode* node = hazards.make(0);
+  hazards.guard(0).retire(node);
+  EXPECT_TRUE(freed(node));
 }
 
-/// Notes what is freed and leaves the memory to the test.
-struct Note {
-  void operator()(Node* node) const { EXPECT_TRUE(freed().insert(node).second) << "freed twice"; }
-};
-
-class Hazards : public testing::Test {
- protected:
-  void SetUp() override { freed().clear(); }
-};
-
-TEST_F(Hazards, frees_what_nobody_protects) {
-  HazardPointers<Node, 1, Note> hazards(2, 1);
-  Node node;
-  hazards.retire(0, &node);
-  EXPECT_TRUE(freed().contains(&node));
+TEST_F(HazardPointersTest, keep_what_somebody_protects_until_the_place_is_used_again) {
+  Hazards<1> hazards(2, 1);
+  TestNode* kept = hazards.make(0);
+  TestNode* other = hazards.make(0);
+  std::atomic<TestNode*> source{kept};
+  EXPECT_EQ(hazards.guard(1).protect<0>(source), kept);
+  source = other;
+  hazards.guard(0).retire(kept);
+  EXPECT_FALSE(freed(kept)) << "the guard is over, the hazard pointer is not";
+  EXPECT_EQ(hazards.guard(1).protect<0>(source), other);
+  hazards.guard(0).retire(hazards.make(0));
+  EXPECT_TRUE(freed(kept));
+  hazards.discard(0, other);
 }
 
-TEST_F(Hazards, keeps_what_somebody_protects_until_the_slot_is_used_again) {
-  HazardPointers<Node, 1, Note> hazards(2, 1);
-  Node kept;
-  Node other;
-  Node third;
-  std::atomic<Node*> source{&kept};
-  EXPECT_EQ(hazards.protect(1, 0, source), &kept);
-  source = &other;
-  hazards.retire(0, &kept);
-  EXPECT_FALSE(freed().contains(&kept));
-  EXPECT_EQ(hazards.protect(1, 0, source), &other);
-  hazards.retire(0, &third);
-  EXPECT_TRUE(freed().contains(&kept));
-  EXPECT_TRUE(freed().contains(&third));
+TEST_F(HazardPointersTest, count_in_every_place_of_every_worker) {
+  Hazards<2> hazards(3, 1);
+  std::vector<TestNode*> nodes(6);
+  for (TestNode*& node : nodes) node = hazards.make(0);
+  std::atomic<TestNode*> source{nullptr};
+  for (unsigned worker = 0; worker < 3; ++worker) {
+    const auto guard = hazards.guard(worker);
+    EXPECT_TRUE(guard.try_protect<0>(nodes[2 * worker], source, nullptr));
+    EXPECT_TRUE(guard.try_protect<1>(nodes[2 * worker + 1], source, nullptr));
+  }
+  for (TestNode* node : nodes) hazards.guard(1).retire(node);
+  EXPECT_EQ(count_freed(), 0U);
 }
 
-TEST_F(Hazards, every_slot_of_every_worker_counts) {
-  std::vector<Node> nodes(6);
-  HazardPointers<Node, 2, Note> hazards(3, 1);
-  std::atomic<Node*> source{nullptr};
-  for (unsigned i = 0; i < 6; ++i)
-    EXPECT_TRUE(hazards.publish(i / 2, i % 2, &nodes[i], source, nullptr));
-  for (Node& node : nodes) hazards.retire(1, &node);
-  EXPECT_TRUE(freed().empty());
+TEST_F(HazardPointersTest, say_whether_the_source_has_changed) {
+  Hazards<1> hazards(1, 1);
+  TestNode node;
+  TestNode other;
+  std::atomic<TestNode*> source{&other};
+  EXPECT_FALSE(hazards.guard(0).try_protect<0>(&node, source, &node));
+  EXPECT_TRUE(hazards.guard(0).try_protect<0>(&node, source, &other));
 }
 
-TEST_F(Hazards, publish_says_whether_the_source_has_changed) {
-  HazardPointers<Node, 1, Note> hazards(1, 1);
-  Node node;
-  Node other;
-  std::atomic<Node*> source{&other};
-  EXPECT_FALSE(hazards.publish(0, 0, &node, source, &node));
-  EXPECT_TRUE(hazards.publish(0, 0, &node, source, &other));
-}
-
-TEST_F(Hazards, holds_back_no_more_than_the_bound) {
+TEST_F(HazardPointersTest, hold_back_no_more_than_the_bound) {
   constexpr unsigned workers = 3;
   constexpr unsigned count = 10'000;
   constexpr std::size_t batch = 5;
-  std::vector<Node> nodes(count);
-  HazardPointers<Node, 2, Note> hazards(workers, batch);
-  std::atomic<Node*> source{nullptr};
+  Hazards<2> hazards(workers, batch);
+  std::atomic<TestNode*> source{nullptr};
   for (unsigned i = 0; i < count; ++i) {
+    TestNode* node = hazards.make(0);
     // Now and then somebody protects what is about to be retired, for a while.
-    if (i % 7 == 0) hazards.publish(i % workers, i % 2, &nodes[i], source, nullptr);
-    hazards.retire(0, &nodes[i]);
-    ASSERT_LE(i + 1 - freed().size(), 2 * workers + batch);
+    if (i % 14 == 0) hazards.guard(i % workers).try_protect<0>(node, source, nullptr);
+    if (i % 14 == 7) hazards.guard(i % workers).try_protect<1>(node, source, nullptr);
+    hazards.guard(0).retire(node);
+    ASSERT_LE(i + 1 - count_freed(), 2 * workers + batch);
   }
-}
-
-TEST_F(Hazards, frees_everything_at_destruction) {
-  std::vector<Node> nodes(20);
-  {
-    HazardPointers<Node, 1, Note> hazards(2, 100);
-    for (Node& node : nodes) hazards.retire(0, &node);
-    EXPECT_TRUE(freed().empty());
-  }
-  EXPECT_EQ(freed().size(), nodes.size());
-}
-
-/// Marks a node dead before its memory goes, so that a reader notices even without a sanitizer.
-struct Kill {
-  void operator()(Node* node) const {
-    node->alive = 0;
-    delete node;
-  }
-};
-
-TEST(HazardThreads, a_protected_node_stays_alive) {
-  constexpr unsigned workers = 4;
-  std::atomic<Node*> source{new Node};
-  std::atomic<bool> done{false};
-  std::atomic<int> dead{0};
-  {
-    HazardPointers<Node, 1, Kill> hazards(workers, 1);
-    std::vector<std::thread> threads;
-    for (unsigned worker = 1; worker < workers; ++worker)
-      threads.emplace_back([&, worker] {
-        while (!done) {
-          const Node* node = hazards.protect(worker, 0, source);
-          for (int look = 0; look < 20; ++look)
-            if (node->alive != 1) ++dead;
-        }
-      });
-    for (int i = 0; i < 50'000; ++i) hazards.retire(0, source.exchange(new Node));
-    done = true;
-    for (std::thread& thread : threads) thread.join();
-  }
-  delete source.load();
-  EXPECT_EQ(dead, 0);
 }
 
 }  // namespace
