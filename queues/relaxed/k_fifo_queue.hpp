@@ -184,8 +184,8 @@ class KFifoList {
   // not, it is in no slot any more. The paper's `committed`.
   bool stays(Segment& segment, Slot& slot, std::uint64_t word) {
     // (6) seq_cst: pairs with (1) and (5) as is said there, where the pop has read `head_` by the
-    // load in try_protect() of hazard_pointers.hpp; and with (12), so that the gate of a segment that
-    // was left is seen closed
+    // load in try_protect() of hazard_pointers.hpp; and with (12), so that the gate of a segment
+    // that was left is seen closed
     const bool first = head_.load(std::memory_order_seq_cst) == &segment;
     // (7) release: pairs with (2). relaxed, of the load: the one before says what must be seen
     const std::uint64_t gate = first ? segment.gate.fetch_add(1, std::memory_order_release)
