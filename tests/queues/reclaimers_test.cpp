@@ -42,7 +42,7 @@ struct ByLastReader {
   using Of = Hyaline<Node, Nodes>;
 };
 
-constexpr unsigned workers = 3;
+constexpr unsigned worker_count = 3;
 constexpr std::size_t batch = 4;
 
 /// In the place of `source`'s node comes a new one, and the old one is retired.
@@ -73,7 +73,7 @@ class Reclaimers : public NotedTest {
 
   void TearDown() override { nodes_.discard(0, source_.load()); }
 
-  Nodes nodes_{workers, batch};
+  Nodes nodes_{worker_count, batch};
   std::atomic<TestNode*> source_{nodes_.make(0)};
   std::size_t retired_ = 0;
 };
@@ -90,8 +90,8 @@ TYPED_TEST(Reclaimers, hold_back_little_while_nobody_is_inside) {
 
 TYPED_TEST(Reclaimers, hold_back_little_while_all_come_and_go) {
   for (unsigned i = 0; i < 3'000; ++i) {
-    this->replace_one(i % workers);
-    ASSERT_LE(this->held(), 5 * batch * workers);
+    this->replace_one(i % worker_count);
+    ASSERT_LE(this->held(), 5 * batch * worker_count);
   }
 }
 
@@ -136,9 +136,9 @@ TYPED_TEST(Reclaimers, keep_what_is_behind_it) {
 TYPED_TEST(Reclaimers, free_all_when_they_go) {
   std::size_t before = 0;
   {
-    typename TestFixture::Nodes nodes(workers, 1'000);
+    typename TestFixture::Nodes nodes(worker_count, 1'000);
     std::atomic<TestNode*> source{nodes.make(0)};
-    for (unsigned i = 0; i < 50; ++i) replace(nodes, i % workers, source);
+    for (unsigned i = 0; i < 50; ++i) replace(nodes, i % worker_count, source);
     nodes.discard(0, source.load());
     before = this->count_freed();
   }
