@@ -127,7 +127,14 @@ class Hand {
   [[nodiscard, gnu::always_inline]] bool produces() const {
     return seat_.table.roles.pushes(worker_);
   }
+  [[nodiscard, gnu::always_inline]] bool leads() const { return worker_ == 0; }
   [[gnu::always_inline]] bool meet() { return seat_.table.gate.pass(stop_); }
+  [[gnu::always_inline]] void finished_one() {
+    counts_.finished.store(++finished_, std::memory_order_relaxed);
+  }
+  [[nodiscard]] bool all_finished(std::uint64_t tasks) const {
+    return seat_.table.finished() >= tasks;
+  }
   static constexpr Burst burst() { return {}; }
 
   /// Waits while the queue holds more than `backlog` elements, or an unbounded queue would grow as
@@ -150,8 +157,21 @@ class Hand {
     const std::uint64_t begin = stamped ? stress::stamp_before() : 0;
     const auto answer = call();
     const std::uint64_t end = stamped ? stress::stamp_after() : 0;
-    if (stamped && answer != 0) times.record(end - begin);
+    if (stamped && answer != 0) {
+      times.record(end - begin);
+      last_ = {begin, end};
+    }
     return answer;
+  }
+  /// The operation that was timed last, and succeeded.
+  [[gnu::always_inline]] void log(stress::Kind kind, std::uint64_t element) {
+    if constexpr (stamped) {
+      if (seat_.log_room == 0) return;
+      seat_.log.push_back({last_.begin, last_.end, element, kind});
+      // Who goes on for a moment, since not every loop asks, is logged still.
+      if (seat_.log.size() >= seat_.log_room)
+        seat_.table.stop.store(true, std::memory_order_relaxed);
+    }
   }
   /// An element that no other push of the measurement brings.
   [[nodiscard, gnu::always_inline]] std::uint64_t fresh() const {
@@ -174,6 +194,7 @@ class Hand {
     if (accepted) {
       counts_.pushes.store(++pushes_, std::memory_order_relaxed);
       in_ += element;
+      log(stress::Kind::push, element);
     } else {
       counts_.failed_pushes.store(++failed_pushes_, std::memory_order_relaxed);
     }
@@ -183,6 +204,7 @@ class Hand {
     if (found) {
       counts_.pops.store(++pops_, std::memory_order_relaxed);
       out_ += element;
+      log(stress::Kind::pop, element);
     } else {
       counts_.failed_pops.store(++failed_pops_, std::memory_order_relaxed);
     }
@@ -196,6 +218,10 @@ class Hand {
   unsigned worker_;
   Waits waits_;
   std::uint64_t pushes_ = 0, pops_ = 0, failed_pushes_ = 0, failed_pops_ = 0, held_back_ = 0;
+  std::uint64_t finished_ = 0;
+  struct {
+    stress::Stamp begin = 0, end = 0;
+  } last_;
   std::uint64_t in_ = 0, out_ = 0;
   std::uint64_t taken_ = 0;  ///< the last element popped
 };

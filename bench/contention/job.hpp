@@ -24,10 +24,12 @@ enum class Pass : std::uint8_t {
   plain,
   stamped,  ///< the time of every operation
   counted,  ///< the counting build of the queue, see counting.hpp
+  logged,   ///< every operation is written down from the first on, for the order of elements
 };
 NLOHMANN_JSON_SERIALIZE_ENUM(Pass, {{Pass::plain, "plain"},
                                     {Pass::stamped, "stamped"},
-                                    {Pass::counted, "counted"}})
+                                    {Pass::counted, "counted"},
+                                    {Pass::logged, "logged"}})
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Pace, fixed_ns, step_ns)
 
@@ -64,6 +66,16 @@ struct Times {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Times, buckets, max)
 
+/// How far the order of elements strays from that of their pushes, see stress::Relaxation.
+struct OrderOfElements {
+  std::uint64_t operations = 0;  ///< that were logged
+  double rank_error_mean = 0;
+  std::uint64_t rank_error_p99 = 0, rank_error_max = 0;
+  double pushes_overtaken = 0, pops_overtaken = 0;  ///< shares
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OrderOfElements, operations, rank_error_mean, rank_error_p99,
+                                   rank_error_max, pushes_overtaken, pops_overtaken)
+
 /// All threads of a repetition, over the common interval of `seconds`.
 struct Sample {
   std::string status = "ok";  ///< ok, hung, crashed or failed
@@ -89,6 +101,7 @@ struct Sample {
   Times push_times, pop_times;       ///< of a stamped pass
   AtomicEvents events;               ///< of a counted pass, warm-up included, as are
   std::uint64_t all_operations = 0;  ///< these: pushes and pops that succeeded
+  OrderOfElements order;             ///< of a logged pass
 
   [[nodiscard]] std::uint64_t operations() const { return pushes + pops; }
 };
@@ -96,7 +109,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, status, message, seconds, pushes, pop
                                    failed_pops, held_back, fairness, cpu_seconds, steady, variation,
                                    not_pinned, work_ns_measured, clock_ns, context_switches,
                                    memory_peak_bytes, memory_held_bytes, energy_joules, counters,
-                                   missing, push_times, pop_times, events, all_operations)
+                                   missing, push_times, pop_times, events, all_operations, order)
 
 }  // namespace contention
 }  // namespace irt

@@ -109,6 +109,9 @@ void Tool::add_sweep(CLI::App& app) {
       ->check(real(0.1, 3600.0))
       ->capture_default_str();
   command.add_flag("--latency", plan.latency, "percentiles, too, in repetitions of their own");
+  command.add_flag("--order", plan.order,
+                   "rank error and overtaking, too, in repetitions of their own that write every "
+                   "operation down; of scenarios with one queue");
   command.add_option("--seed", plan.seed, "of everything random")->capture_default_str();
   command.add_option_function<std::string>(
       "--shard",

@@ -15,6 +15,7 @@
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
 #include "queues/registry.hpp"
+#include "stress/history/real_time.hpp"
 
 namespace irt::contention {
 namespace {
@@ -123,6 +124,12 @@ class Measurement {
       const Waits own(steps_for(job.work_ns, job.pace), job.work_spread, seeds.next());
       seats_.push_back(std::make_unique<Seat>(table_, i, own, seeds.next()));
       seats_.back()->producer_pause_steps = steps_for(scenario_.producer_pause_ns, job.pace);
+      if (logged()) {
+        // Beyond the end, for who goes on until it asks; and touched, so that no page is missing.
+        seats_.back()->log_room = log_room;
+        seats_.back()->log.resize(log_room + 4096);
+        seats_.back()->log.clear();
+      }
     }
     // The histograms and whatever else is ours is in place: what comes now is the queue's.
     memory_.emplace();
@@ -138,12 +145,19 @@ class Measurement {
       ticks_per_nanosecond_ = stress::calibrate().ticks_per_nanosecond;
       sample_.clock_ns = measure_clock_ns(ticks_per_nanosecond_);
     }
-    start();
-    warm_up();
-    for (unsigned i = 0; i < job_.turns; ++i) {
+    if (logged()) {
       await_turn();
-      std::this_thread::sleep_for(Seconds(job_.settling_seconds));
-      turn();
+      clock_error_ = stress::calibrate().error;
+      start();
+      until_logged();
+    } else {
+      start();
+      warm_up();
+      for (unsigned i = 0; i < job_.turns; ++i) {
+        await_turn();
+        std::this_thread::sleep_for(Seconds(job_.settling_seconds));
+        turn();
+      }
     }
     sample_.fairness = fairness(table_.roles, operations_);
     meters_.read_into(sample_);
@@ -164,17 +178,22 @@ class Measurement {
       sample_.push_times = times(&Seat::push_times);
       sample_.pop_times = times(&Seat::pop_times);
     }
+    if (logged()) sample_.order = order();
     if (job_.queue != no_queue) take_stock();
     // Where the machine put a thread off, others may wait for it, spinning: then the rate is none,
     // but not by the queue's fault.
-    if (sample_.operations() == 0 && sample_.cpu_seconds > 0.9 * sample_.seconds * job_.threads) {
+    if (!logged() && sample_.operations() == 0 &&
+        sample_.cpu_seconds > 0.9 * sample_.seconds * job_.threads) {
       fail(fmt::format("no operation succeeded in {:.2f} s", sample_.seconds));
     }
     return sample_;
   }
 
  private:
+  static constexpr std::size_t log_room = std::size_t{1} << 18;  // operations of a thread
+
   [[nodiscard]] bool stamped() const { return job_.pass == Pass::stamped; }
+  [[nodiscard]] bool logged() const { return job_.pass == Pass::logged; }
 
   void fail(const std::string& why) {
     if (sample_.status != "ok") return;
@@ -189,7 +208,10 @@ class Measurement {
     for (std::uint64_t i = 0; i < wanted; ++i) {
       // No worker's, and none of the small words that a queue may keep for itself.
       const std::uint64_t element = (std::uint64_t{1} << 39U) | i;
-      if (!subject_->push(static_cast<unsigned>(i % job_.threads), element)) {
+      const stress::Stamp begin = stress::stamp_before();
+      const bool taken = subject_->push(static_cast<unsigned>(i % job_.threads), element);
+      if (logged()) prefill_.push_back({begin, stress::stamp_after(), element, stress::Kind::push});
+      if (!taken) {
         fail(fmt::format("full after {} of {} elements, below its capacity", i, job_.capacity));
         return;
       }
@@ -220,7 +242,7 @@ class Measurement {
     // (2) acquire: pairs with (1)
     while (!muster_.go.load(std::memory_order_acquire)) std::this_thread::yield();
     try {
-      subject_->run(scenario_.program, *seats_[i], stamped());
+      subject_->run(scenario_.program, *seats_[i], stamped() || logged());
     } catch (const std::exception& error) {
       const std::lock_guard lock(sample_mutex_);
       fail(error.what());
@@ -255,6 +277,29 @@ class Measurement {
       if (sample_.steady) break;
     }
     if (!std::isfinite(sample_.variation)) sample_.variation = 0;  // which JSON does not know
+  }
+
+  void until_logged() {
+    const Clock::time_point begin = Clock::now();
+    while (since(begin) < job_.seconds && !table_.stop.load(std::memory_order_relaxed))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  [[nodiscard]] OrderOfElements order() {
+    std::vector<std::vector<stress::Operation>> logs;
+    for (const auto& seat : seats_) logs.push_back(std::move(seat->log));
+    logs.push_back(std::move(prefill_));
+    OrderOfElements found;
+    for (const auto& log : logs) found.operations += log.size();
+    const stress::History history = stress::distinct(std::move(logs), clock_error_);
+    const auto [rank_error, overtaken, worst, pushes, pops] =
+        stress::measure_relaxation(stress::Matching(history));
+    found.rank_error_mean = rank_error.mean;
+    found.rank_error_p99 = rank_error.p99;
+    found.rank_error_max = rank_error.max;
+    found.pushes_overtaken = pushes;
+    found.pops_overtaken = pops;
+    return found;
   }
 
   void turn() {
@@ -347,6 +392,8 @@ class Measurement {
   Muster muster_;
   std::mutex sample_mutex_;
   std::uint64_t prefilled_ = 0, prefilled_sum_ = 0;
+  std::vector<stress::Operation> prefill_;  // of a logged pass
+  stress::Stamp clock_error_ = 0;
   double ticks_per_nanosecond_ = 1;
   Sample sample_;
 };

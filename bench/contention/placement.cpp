@@ -18,7 +18,7 @@
 namespace irt::contention {
 namespace {
 
-constexpr std::array table{
+constexpr std::array policy_table{
     Policy{"close", "cores under one last-level cache first, then their siblings, then the next"},
     Policy{"far", "as far apart as possible: packages, then caches, then cores, then siblings"},
     Policy{"one-per-l3", "one thread under each last-level cache, then a second one under each"},
@@ -119,13 +119,13 @@ Machine survey_machine() {
 }
 
 std::span<const Policy> policies() {
-  return table;
+  return policy_table;
 }
 
 Placement place(std::string_view policy, const Machine& machine) {
   std::vector<std::string_view> names;
-  names.reserve(std::size(table));
-  for (const Policy& one : table) names.push_back(one.name);
+  names.reserve(std::size(policy_table));
+  for (const Policy& one : policy_table) names.push_back(one.name);
   if (std::ranges::find(names, policy) == names.end()) {
     throw UsageError(unknown_name("placement", policy, names));
   }

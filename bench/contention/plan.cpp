@@ -162,6 +162,8 @@ Job job_of(const Plan& plan, const Row& row, unsigned repetition, const Pace& pa
 std::vector<Pass> passes_of(const Plan& plan, const Row& row, unsigned repetition) {
   std::vector<Pass> passes{Pass::plain};
   if (plan.latency) passes.push_back(Pass::stamped);
+  if (plan.order && !scenario_at(row.scenario).scenario->has_two_queues())
+    passes.push_back(Pass::logged);
   if (repetition == 0 && row.not_countable.empty()) passes.push_back(Pass::counted);
   return passes;
 }

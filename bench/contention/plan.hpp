@@ -41,13 +41,14 @@ struct Plan {
   double warmup = 0.5;   ///< seconds that a warm-up takes at most
   double patience = 5;   ///< seconds
   bool latency = false;  ///< each repetition once more, with stamps
+  bool order = false;    ///< and once more, with a log of all operations
   std::uint64_t seed = 1;
   std::vector<std::string> plugins;
   unsigned shard = 0, shards = 1;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plan, queues, scenarios, threads, work, placements, capacities,
                                    work_spread, repetitions, seconds, warmup, patience, latency,
-                                   seed, plugins, shard, shards)
+                                   order, seed, plugins, shard, shards)
 
 /// A line of the results: one queue in one cell. Lines of a cell differ in the queue only.
 // NOLINTNEXTLINE(bugprone-exception-escape): moving JSON does not throw

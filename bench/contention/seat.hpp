@@ -11,6 +11,7 @@
 #include "bench/contention/histogram.hpp"
 #include "bench/contention/scenarios.hpp"
 #include "queues/cache_line.hpp"
+#include "stress/history/operation.hpp"
 
 namespace irt::contention {
 
@@ -19,6 +20,7 @@ namespace irt::contention {
 /// informs, it must not order what the queue leaves unordered.
 struct alignas(cache_line_pair) Counts {
   std::atomic<std::uint64_t> pushes{0}, pops{0}, failed_pushes{0}, failed_pops{0}, held_back{0};
+  std::atomic<std::uint64_t> finished{0};  ///< tasks, of scenarios that have them
 };
 
 /// Waits for all threads to arrive, again and again, and tells them alike whether to go on.
@@ -71,6 +73,13 @@ struct Table {
     return pushes > pops ? pushes - pops : 0;
   }
 
+  /// Tasks that are done, by all threads' counts.
+  [[nodiscard]] std::uint64_t finished() const {
+    std::uint64_t sum = 0;
+    for (const Counts& one : counts) sum += one.finished.load(std::memory_order_relaxed);
+    return sum;
+  }
+
   Roles roles;
   std::vector<Counts> counts;  ///< by thread
   std::size_t backlog = 0;     ///< elements inside beyond which producers wait for consumers
@@ -91,6 +100,10 @@ struct Seat {
   std::uint64_t producer_pause_steps = 0;
   Histogram push_times, pop_times;  ///< ticks; of operations that succeeded
   std::uint64_t in = 0, out = 0;    ///< sums of the elements pushed and popped
+  /// Every operation that succeeded, where `log_room` is not 0; the measurement ends when a thread
+  /// has made so many.
+  std::vector<stress::Operation> log;
+  std::size_t log_room = 0;
 };
 
 }  // namespace irt::contention

@@ -18,10 +18,10 @@ using Json = nlohmann::ordered_json;
 
 /// All repetitions of one row.
 struct Group {
-  std::vector<Sample> plain, stamped;  ///< those that are ok
-  std::vector<unsigned> rounds;        ///< the repetitions of `plain`
-  const Sample* worst = nullptr;       ///< one that is not
-  const Sample* counted = nullptr;     ///< of the counting build, whatever became of it
+  std::vector<Sample> plain, stamped, logged;  ///< those that are ok
+  std::vector<unsigned> rounds;                ///< the repetitions of `plain`
+  const Sample* worst = nullptr;               ///< one that is not
+  const Sample* counted = nullptr;             ///< of the counting build, whatever became of it
 };
 
 Json or_null(std::optional<double> value) {
@@ -101,6 +101,18 @@ Json events_of(const Sample* counted) {
           {"atomic_stores_per_operation", share(events.stores)}};
 }
 
+/// The mean over the logged repetitions; null where there are none.
+template <class Figure>
+Json of_order(const std::vector<Sample>& logged, Figure OrderOfElements::*which) {
+  return or_null(mean_of(
+      logged, [which](const Sample& sample) { return static_cast<double>(sample.order.*which); }));
+}
+Json largest_rank_error(const std::vector<Sample>& logged) {
+  if (logged.empty()) return nullptr;
+  const auto of = [](const Sample& sample) { return sample.order.rank_error_max; };
+  return of(*std::ranges::max_element(logged, {}, of));
+}
+
 /// Why a run has no figures of the counting build; null where it has.
 Json not_counted(const Row& row, const Group& group) {
   if (!row.not_countable.empty()) return row.not_countable;
@@ -178,6 +190,12 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"retries_per_operation", counted.is_null() ? Json() : counted["retries_per_operation"]},
       {"counted", counted},
       {"not_counted", not_counted(row, group)},
+      {"rank_error_mean", of_order(group.logged, &OrderOfElements::rank_error_mean)},
+      {"rank_error_p99", of_order(group.logged, &OrderOfElements::rank_error_p99)},
+      {"rank_error_max", largest_rank_error(group.logged)},
+      {"pushes_overtaken", of_order(group.logged, &OrderOfElements::pushes_overtaken)},
+      {"pops_overtaken", of_order(group.logged, &OrderOfElements::pops_overtaken)},
+      {"order_operations", of_order(group.logged, &OrderOfElements::operations)},
       {"context_switches_per_second", rate(&Sample::context_switches)},
       {"memory_peak_bytes",
        mean_figure([](const Sample& s) { return static_cast<double>(s.memory_peak_bytes); })},
@@ -205,6 +223,8 @@ nlohmann::ordered_json summarise(const Plan& plan, std::span<const Row> rows,
       if (group.worst == nullptr) group.worst = &result.sample;
     } else if (result.pass == Pass::stamped) {
       group.stamped.push_back(result.sample);
+    } else if (result.pass == Pass::logged) {
+      group.logged.push_back(result.sample);
     } else {
       group.plain.push_back(result.sample);
       group.rounds.push_back(result.repetition);
@@ -292,9 +312,12 @@ std::string aligned(const std::vector<Cells>& lines, std::size_t left_columns) {
 std::string table(const nlohmann::ordered_json& runs) {
   const bool stamped =
       std::ranges::any_of(runs, [](const Json& run) { return !run["latency_ns"].is_null(); });
+  const bool ordered =
+      std::ranges::any_of(runs, [](const Json& run) { return !run["pushes_overtaken"].is_null(); });
   Cells head{"scenario", "placement", "queue",    "threads",     "work ns",    "Mops/s",
              "+-95%",    "failed/s",  "fairness", "lost CAS/op", "switches/s", "peak MB"};
   if (stamped) head.insert(head.end(), {"push p50/99/99.99 ns", "pop p50/99/99.99 ns"});
+  if (ordered) head.insert(head.end(), {"rank error mean/p99/max", "overtaken pushes", "pops"});
   head.emplace_back();
   std::vector<Cells> lines{head};
   std::string last;
@@ -325,6 +348,13 @@ std::string table(const nlohmann::ordered_json& runs) {
     if (stamped) {
       line.push_back(latency_text(run["latency_ns"], "push"));
       line.push_back(latency_text(run["latency_ns"], "pop"));
+    }
+    if (ordered) {
+      line.push_back(fmt::format("{}/{}/{}", number(run["rank_error_mean"], 1, 2),
+                                 number(run["rank_error_p99"], 1, 0),
+                                 number(run["rank_error_max"], 1, 0)));
+      line.push_back(number(run["pushes_overtaken"], 100, 1) + "%");
+      line.push_back(number(run["pops_overtaken"], 100, 1) + "%");
     }
     line.push_back(remarks(run));
     lines.push_back(std::move(line));

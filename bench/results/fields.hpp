@@ -90,6 +90,19 @@ inline constexpr std::array fields{
         .plot("fairness, slowest over fastest thread")
         .column("fairness"),
     figure("latency_ns", by_operations),
+    // Of every operation, written down.
+    figure("rank_error_mean", by_operations)
+        .plot("rank error, mean", "elements")
+        .column("rank error"),
+    figure("rank_error_p99", by_operations).column("rank error p99"),
+    figure("rank_error_max", by_operations).column("rank error max"),
+    figure("pushes_overtaken", by_operations)
+        .plot("share of pushes overtaken")
+        .column("pushes overtaken"),
+    figure("pops_overtaken", by_operations)
+        .plot("share of pops overtaken")
+        .column("pops overtaken"),
+    figure("order_operations", by_operations),
     figure("retries_per_operation", by_operations)
         .plot("retries per operation, by the build that counts")
         .column("retries/operation"),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace irt::stress {
 namespace {
@@ -221,6 +222,31 @@ Distances summarise(std::vector<std::uint64_t>& values) {
   return d;
 }
 
+/// Of all lives that left, the share of which `overtaken` is true.
+template <class Predicate>
+double share_of(const std::vector<const Life*>& lives, Predicate overtaken) {
+  if (lives.empty()) return 0;
+  return static_cast<double>(std::ranges::count_if(lives, overtaken)) /
+         static_cast<double>(lives.size());
+}
+
+/// For each life in the order of `begin`: has any life whose `end` came surely before a `begun`
+/// that is surely later than its own?
+template <class Begin, class End, class Begun>
+double share_passed(std::vector<const Life*> lives, Stamp slack, Begin begin, End end,
+                    Begun begun) {
+  std::vector<const Life*> by_end = lives;
+  std::ranges::sort(by_end, {}, end);
+  std::ranges::sort(lives, {}, begin);
+  auto before = by_end.begin();
+  Stamp latest = 0;
+  return share_of(lives, [&](const Life* life) {
+    for (; before != by_end.end() && end(*before) + slack < begin(life); ++before)
+      latest = std::max(latest, begun(*before));
+    return latest > begun(life) + slack;
+  });
+}
+
 }  // namespace
 
 std::vector<Violation> judge_real_time(const Matching& matching,
@@ -295,6 +321,16 @@ Relaxation measure_relaxation(const Matching& matching) {
     overtaken.push_back(younger.below(position(pops_returned, left)));
   }
 
+  std::vector<const Life*> left;
+  for (const Life* life : by_push_begin)
+    if (life->pop != nullptr) left.push_back(life);
+  const auto push_invoked = [](const Life* life) { return life->push->invoked; };
+  const auto push_returned = [](const Life* life) { return life->push->returned; };
+  const auto pop_invoked = [](const Life* life) { return life->pop->invoked; };
+  const auto pop_returned = [](const Life* life) { return life->pop->returned; };
+  result.pushes_overtaken = share_passed(left, slack, pop_invoked, pop_returned, push_invoked);
+  result.pops_overtaken = share_passed(left, slack, push_invoked, push_returned, pop_invoked);
+
   result.rank_error = summarise(ranks);
   result.overtaken = summarise(overtaken);
   if (worst != nullptr) {
@@ -304,6 +340,32 @@ Relaxation measure_relaxation(const Matching& matching) {
                              {matching.culprit(*worst->push), matching.culprit(*worst->pop)}};
   }
   return result;
+}
+
+History distinct(std::vector<std::vector<Operation>> logs, Stamp error) {
+  std::vector<Operation*> pushes, pops;
+  for (auto& log : logs)
+    for (Operation& operation : log)
+      (operation.kind == Kind::push ? pushes : pops).push_back(&operation);
+  const auto by_word_and_time = [](const Operation* operation) {
+    return std::pair(operation->value, operation->invoked);
+  };
+  std::ranges::sort(pushes, {}, by_word_and_time);
+  std::ranges::sort(pops, {}, by_word_and_time);
+  // A word is in one place at a time: its n-th pop took what its n-th push brought.
+  std::vector<std::pair<const Operation*, Operation*>> lives;
+  auto pop = pops.begin();
+  for (const Operation* push : pushes) {
+    while (pop != pops.end() && (*pop)->value < push->value) ++pop;
+    if (pop != pops.end() && (*pop)->value == push->value) lives.emplace_back(push, *pop++);
+  }
+  for (unsigned producer = 0; producer < logs.size(); ++producer) {
+    std::uint64_t sequence = 0;
+    for (Operation& operation : logs[producer])
+      if (operation.kind == Kind::push) operation.value = element(producer, sequence++);
+  }
+  for (const auto& [push, its_pop] : lives) its_pop->value = push->value;
+  return {.logs = std::move(logs), .drain = {}, .error = error};
 }
 
 }  // namespace irt::stress

@@ -35,9 +35,19 @@ struct Relaxation {
   Distances rank_error;            ///< older elements still inside when an element left
   Distances overtaken;             ///< younger elements that left before an element
   std::optional<Violation> worst;  ///< the pop with the largest rank error
+  /// Shares of the elements that were pushed and popped, by whose call *began* first, which
+  /// linearizability leaves open: a FIFO queue has them, too ("Linearizability alone is not enough
+  /// for strict FIFO semantics", ISPASS 2026).
+  double pushes_overtaken = 0;  ///< left after one whose push had begun later
+  double pops_overtaken = 0;    ///< were younger than what a pop got that had begun later
 };
 
 /// Measures relaxation in O(n log n).
 Relaxation measure_relaxation(const Matching& matching);
+
+/// A history in which every push has an element of its own, of logs of successful pushes and pops
+/// where words are any, and one may be pushed again once it was popped. Every pop took what a push
+/// of the logs brought.
+History distinct(std::vector<std::vector<Operation>> logs, Stamp error);
 
 }  // namespace irt::stress

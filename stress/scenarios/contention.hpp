@@ -25,9 +25,12 @@
 ///     work()                    the work between operations
 ///     random(bound)             below `bound`
 ///     produces()                whether this thread is among the producers
+///     leads()                   whether it is the one that does what only one should
 ///     consumers_caught_up()     waits where the queue would grow without end; false at the end
 ///     rest()                    a producer's pause, on top of its work
 ///     meet()                    waits for all threads; false, to all alike, at the end
+///     finished_one(), all_finished(tasks)        a task more is done; whether all threads together
+///                               have done so many
 ///     burst()                   how this instrument makes bursts
 #pragma once
 
@@ -42,7 +45,7 @@
 namespace irt::contention {
 
 /// Tags of elements are below this.
-inline constexpr unsigned tags = 4;
+inline constexpr unsigned tags = 32;
 
 /// Elements of a call for several.
 inline constexpr std::size_t bulk = 16;
@@ -180,6 +183,73 @@ template <class Hand>
   }
 }
 
+/// All push a burst, one takes out what they brought and puts as much in, all pop: so the order in
+/// which a queue took the pushes, and served the pops, of a rush is seen from outside.
+template <class Hand>
+[[gnu::always_inline]] inline void rushes(Hand&& hand) {
+  while (hand.meet()) {
+    for (unsigned left = hand.burst().size; left > 0 && hand.push(); --left) hand.work();
+    if (!hand.meet()) return;
+    unsigned taken = 0;
+    while (hand.leads() && hand.running() && hand.pop()) ++taken;
+    if (!hand.meet()) return;
+    while (taken > 0 && hand.push()) --taken;
+    if (!hand.meet()) return;
+    while (hand.running() && hand.pop()) hand.work();
+  }
+}
+
+/// The recursive Fibonacci number of 24, without its sums: each call is a task.
+struct Fibonacci {
+  static constexpr unsigned root = 24;
+  static constexpr std::uint64_t tasks = 150'049;
+  template <class Spawn>
+  static void children(unsigned n, Spawn spawn) {
+    if (n < 2) return;
+    spawn(n - 1);
+    spawn(n - 2);
+  }
+};
+
+/// Ten tasks from each, five levels deep: the skynet benchmark (atemerev/skynet), a tenth of it.
+struct Skynet {
+  static constexpr unsigned root = 5;
+  static constexpr std::uint64_t tasks = 111'111;
+  template <class Spawn>
+  static void children(unsigned levels, Spawn spawn) {
+    for (unsigned child = 0; levels > 0 && child < 10; ++child) spawn(levels - 1);
+  }
+};
+
+/// Does a task, and at once those of its children that a full queue does not take.
+template <class Tree, class Hand>
+void grow(Hand& hand, unsigned tag) {
+  hand.work();
+  Tree::children(tag, [&](unsigned child) {
+    if (!hand.push_tagged(child)) grow<Tree>(hand, child);
+  });
+  hand.finished_one();
+}
+
+/// A tree of tasks grows from one root, again and again: it is done when all its tasks are, which
+/// only threads that find the queue empty ask.
+template <class Tree, class Hand>
+[[gnu::always_inline]] inline void trees(Hand&& hand) {
+  std::uint64_t tasks = 0;
+  while (hand.meet()) {
+    tasks += Tree::tasks;
+    if (hand.leads()) grow<Tree>(hand, Tree::root);
+    while (hand.running()) {
+      unsigned tag = 0;
+      if (hand.pop_tagged(tag)) {
+        grow<Tree>(hand, tag);
+      } else if (hand.all_finished(tasks)) {
+        break;
+      }
+    }
+  }
+}
+
 enum class Program : std::uint8_t {
   pairs,
   exchange,
@@ -189,7 +259,10 @@ enum class Program : std::uint8_t {
   sides,
   ping_pong,
   wake,
-  frames
+  frames,
+  rushes,
+  fibonacci,
+  skynet
 };
 
 /// Runs `program` with a `Hand(queue, rest...)` on `first`, and where there are two queues one on
@@ -212,6 +285,12 @@ template <class Hand, class Queue, class... Rest>
       return sides(Hand(first, rest...));
     case Program::frames:
       return frames(Hand(first, rest...));
+    case Program::rushes:
+      return rushes(Hand(first, rest...));
+    case Program::fibonacci:
+      return trees<Fibonacci>(Hand(first, rest...));
+    case Program::skynet:
+      return trees<Skynet>(Hand(first, rest...));
     case Program::ping_pong:
       // Each thread pushes into one queue only and pops from the other only, so that what two hands
       // count of one thread does not overlap.
@@ -237,7 +316,10 @@ struct Scenario {
   }
   [[nodiscard]] constexpr bool needs_pop_wait() const { return program == Program::wake; }
   [[nodiscard]] constexpr bool needs_bulk() const { return program == Program::bulks; }
-  [[nodiscard]] constexpr bool needs_elements() const { return program == Program::frames; }
+  [[nodiscard]] constexpr bool needs_elements() const {
+    return program == Program::frames || program == Program::fibonacci ||
+           program == Program::skynet;
+  }
 
   /// Why a queue with these claims and optional methods cannot play it, apart from who pushes and
   /// who pops; empty if it can.
@@ -326,6 +408,18 @@ inline constexpr std::array scenario_table{
     Scenario{.name = "renderer",
              .operation_mix = "frames of 64 tasks per thread; a task leads to 6 more on average",
              .program = Program::frames,
+             .roles = all_do_both},
+    Scenario{.name = "rush",
+             .operation_mix = "all push a burst, one pops and pushes as many, all pop",
+             .program = Program::rushes,
+             .roles = all_do_both},
+    Scenario{.name = "fib",
+             .operation_mix = "a binary tree of 150,049 tasks from one root; two operations a task",
+             .program = Program::fibonacci,
+             .roles = all_do_both},
+    Scenario{.name = "skynet",
+             .operation_mix = "a tree of 111,111 tasks, ten from each; two operations a task",
+             .program = Program::skynet,
              .roles = all_do_both},
 };
 

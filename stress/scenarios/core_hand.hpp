@@ -51,6 +51,10 @@ class CoreHand {
   void work() { core_.idle(); }
   std::uint64_t random(std::uint64_t bound) { return core_.random(bound); }
   [[nodiscard]] bool produces() const { return core_.self().pushes; }
+  [[nodiscard]] bool leads() const { return core_.self().worker == 0; }
+  /// Who finds nothing leaves: how much of a tree a core's share of operations makes is open.
+  static void finished_one() {}
+  static bool all_finished(std::uint64_t) { return true; }
   [[nodiscard]] bool consumers_caught_up() const { return running(); }
   void rest() {
     for (std::uint64_t pause = core_.random(4); pause > 0; --pause) core_.idle();

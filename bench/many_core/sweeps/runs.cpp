@@ -106,6 +106,15 @@ Json summarise(const Profile& profile, const Point& point,
       waiting[cause] = all / n;
     }
   }
+  // Null where one has none.
+  const auto of_order = [&](const char* key, bool largest = false) -> Json {
+    std::vector<double> each;
+    for (const nlohmann::json& result : results) {
+      if (!ok || result["order"].is_null()) return nullptr;
+      each.push_back(result["order"][key]);
+    }
+    return largest ? std::ranges::max(each) : statistics::mean(each);
+  };
   const auto if_ok = [ok](const Json& figure) { return ok ? figure : Json(); };
   results::add(run,
                {
@@ -119,6 +128,12 @@ Json summarise(const Profile& profile, const Point& point,
                    {"latency_ns",
                     ok ? Json{{"push", latency(results, "push")}, {"pop", latency(results, "pop")}}
                        : Json()},
+                   {"rank_error_mean", of_order("rank_error_mean")},
+                   {"rank_error_p99", of_order("rank_error_p99")},
+                   {"rank_error_max", of_order("rank_error_max", true)},
+                   {"pushes_overtaken", of_order("pushes_overtaken")},
+                   {"pops_overtaken", of_order("pops_overtaken")},
+                   {"order_operations", of_order("order_operations")},
                    {"transfers_per_operation", if_ok(per(sum("transfers"), operations))},
                    {"cas_failures_per_success", if_ok(per(sum("failed_swaps"), sum("swaps")))},
                    {"sleeps_per_operation", if_ok(per(sum("sleeps"), operations))},
@@ -144,6 +159,10 @@ std::string number(const Json& value, double scale, int width, int digits) {
   return fmt::format("{:>{}.{}f}", value.get<double>() * scale, width, digits);
 }
 
+std::string share(const Json& value) {
+  return value.is_number() ? number(value, 100, 6, 1) + '%' : number(value, 1, 7, 0);
+}
+
 Json of(const Json& run, const char* first, const char* second) {
   if (!run.contains(first) || !run[first].is_object()) return nullptr;
   return run[first].value(second, Json());
@@ -165,10 +184,10 @@ Json slower_p99(const Json& run) {
 std::string table(const Json& runs) {
   std::size_t width = 5;
   for (const Json& run : runs) width = std::max(width, run["queue"].get<std::string>().size());
-  std::string text =
-      fmt::format("{:<{}}{:>8}{:>11}  {:<15}{:>9}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{:>7}{:>7}\n",
-                  "queue", width, "threads", "Mops/s", "95 % interval", "fairness", "transf/op",
-                  "CASf/s", "p99 ns", "move", "queue", "store", "spin", "park");
+  std::string text = fmt::format(
+      "{:<{}}{:>8}{:>11}  {:<15}{:>9}{:>10}{:>8}{:>8}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}{:>7}\n",
+      "queue", width, "threads", "Mops/s", "95 % interval", "fairness", "transf/op", "CASf/s",
+      "p99 ns", "rank", "passed", "move", "queue", "store", "spin", "park");
   for (const Json& run : runs) {
     text += fmt::format("{:<{}}{:>8}", run["queue"].get<std::string>(), width,
                         run["threads"].get<unsigned>());
@@ -183,11 +202,10 @@ std::string table(const Json& runs) {
                                           run["operations_per_second_low"].get<double>() / 1e6,
                                           run["operations_per_second_high"].get<double>() / 1e6)) +
         number(run["fairness"], 1, 9, 2) + number(run["transfers_per_operation"], 1, 10, 2) +
-        number(run["cas_failures_per_success"], 1, 8, 2) + number(slower_p99(run), 1, 8, 0);
+        number(run["cas_failures_per_success"], 1, 8, 2) + number(slower_p99(run), 1, 8, 0) +
+        number(run["rank_error_mean"], 1, 7, 1) + share(run["pushes_overtaken"]);
     for (const char* cause : {"transfer", "queueing", "stores", "spinning", "parked"}) {
-      const Json share = of(run, "waiting", cause);
-      text += share.is_null() ? fmt::format("{:>7}", "-")
-                              : fmt::format("{:>6.1f}%", share.get<double>() * 100);
+      text += share(of(run, "waiting", cause));
     }
     text += '\n';
   }

@@ -14,6 +14,7 @@
 #include "queues/split_mix.hpp"
 #include "queues/work_queue.hpp"
 #include "renderer/engine/time_histogram.hpp"
+#include "stress/history/real_time.hpp"
 #include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::many_core {
@@ -60,6 +61,8 @@ struct Tally {
 struct alignas(line_bytes) Worker {
   SplitMix random{0};
   std::uint64_t pushed_sum = 0, popped_sum = 0, last_popped = 0;
+  std::vector<stress::Operation> log;  // what succeeded
+  Time began = 0;                      // the call that was made last
   Tally pushes, pops;
 };
 
@@ -111,6 +114,9 @@ class Run {
 
   nlohmann::json result(const Ending& ending, bool explain);
 
+  // Of all operations since the start, see stress::Relaxation; null where there are two queues.
+  nlohmann::json order();
+
  private:
   using Queue = AnyWorkQueue<std::uint64_t>;
   class Hand;
@@ -138,6 +144,7 @@ class Run {
       // No worker's, and none of the small words that a queue may keep for itself.
       const std::uint64_t element = std::uint64_t{1} << 39U | i;
       if (!queues_[0]->push(static_cast<unsigned>(i % point_.threads), element)) return;
+      prefill_.push_back({0, 0, element, stress::Kind::push});
       ++prefilled_;
       prefilled_sum_ += element;
     }
@@ -218,7 +225,9 @@ class Run {
   const QueueEntry* entry_ = nullptr;
   std::vector<Queue*> queues_;  // not destroyed: the process ends
   std::uint64_t prefilled_ = 0, prefilled_sum_ = 0;
-  std::int64_t inside_ = 0;  // elements that were pushed and not popped
+  std::vector<stress::Operation> prefill_;
+  std::int64_t inside_ = 0;     // elements that were pushed and not popped
+  std::uint64_t finished_ = 0;  // tasks
   std::int64_t backlog_ = std::numeric_limits<std::int64_t>::max();
   const Contended* primitive_ = nullptr;
   void* object_ = nullptr;
@@ -248,7 +257,10 @@ class Run::Hand {
     for (std::uint64_t& each : elements) each = element++;
     const std::size_t taken = several(
         me_.pushes, [&] { return std::min(queue_.push_bulk(thread_, elements), elements.size()); });
-    for (std::size_t i = 0; i < taken; ++i) me_.pushed_sum += elements[i];
+    for (std::size_t i = 0; i < taken; ++i) {
+      me_.pushed_sum += elements[i];
+      log(stress::Kind::push, elements[i]);
+    }
     run_.inside_ += static_cast<std::int64_t>(taken);
     return taken;
   }
@@ -257,7 +269,10 @@ class Run::Hand {
     const auto room = std::span(elements).first(std::min(most, elements.size()));
     const std::size_t found =
         several(me_.pops, [&] { return std::min(queue_.pop_bulk(thread_, room), room.size()); });
-    for (std::size_t i = 0; i < found; ++i) me_.popped_sum += elements[i];
+    for (std::size_t i = 0; i < found; ++i) {
+      me_.popped_sum += elements[i];
+      log(stress::Kind::pop, elements[i]);
+    }
     run_.inside_ -= static_cast<std::int64_t>(found);
     return found;
   }
@@ -282,6 +297,9 @@ class Run::Hand {
     const double pause = run_.point_.scenario->producer_pause_ns;
     if (pause > 0) run_.machine_.work(pause * vary(me_));
   }
+  [[nodiscard]] bool leads() const { return thread_ == 0; }
+  void finished_one() { ++run_.finished_; }
+  [[nodiscard]] bool all_finished(std::uint64_t tasks) const { return run_.finished_ >= tasks; }
   bool meet() { return run_.barrier_.pass(run_.machine_, run_.point_.threads); }
   [[nodiscard]] contention::Burst burst() const {
     return {.size = static_cast<unsigned>(run_.burst_), .works_after_each = true};
@@ -294,7 +312,8 @@ class Run::Hand {
     return std::uint64_t{thread_ + 1} << 40U | (me_.pushes.all + 1);
   }
   bool pushed(std::uint64_t element, Tries tries) {
-    const bool done = made(me_.pushes, tries, [&] { return queue_.push(thread_, element); });
+    const bool done = made(me_.pushes, tries, stress::Kind::push, element,
+                           [&] { return queue_.push(thread_, element); });
     if (done) me_.pushed_sum += element;
     run_.inside_ += done ? 1 : 0;
     return done;
@@ -305,7 +324,8 @@ class Run::Hand {
   template <class Pop>
   bool popped(Tries tries, Pop pop) {
     std::uint64_t element = 0;
-    const bool done = made(me_.pops, tries, [&] { return pop(element); });
+    const bool done =
+        made(me_.pops, tries, stress::Kind::pop, element, [&] { return pop(element); });
     if (done) me_.popped_sum += me_.last_popped = element;
     run_.inside_ -= done ? 1 : 0;
     return done;
@@ -315,7 +335,10 @@ class Run::Hand {
   std::size_t several(Tally& tally, Call call) {
     std::size_t moved = 0;
     const auto counted = tally.counted;
-    run_.attempt(thread_, tally, false, [&] { return (moved = call()) != 0; });
+    run_.attempt(thread_, tally, false, [&] {
+      me_.began = run_.machine_.clock();
+      return (moved = call()) != 0;
+    });
     if (moved > 1) {
       tally.all += moved - 1;
       if (tally.counted != counted) tally.counted += moved - 1;
@@ -323,10 +346,21 @@ class Run::Hand {
     return moved;
   }
   template <class Operation>
-  bool made(Tally& tally, Tries tries, Operation operation) {
-    const bool done = run_.attempt(thread_, tally, tries != Tries::one, operation);
+  bool made(Tally& tally, Tries tries, stress::Kind kind, const std::uint64_t& element,
+            Operation operation) {
+    const bool done = run_.attempt(thread_, tally, tries != Tries::one, [&] {
+      me_.began = run_.machine_.clock();
+      return operation();
+    });
+    if (done) log(kind, element);
     if (done && tries == Tries::all_and_work) work();
     return done;
+  }
+
+  // With the clock at the end of what was made.
+  void log(stress::Kind kind, std::uint64_t element) {
+    me_.log.push_back({static_cast<stress::Stamp>(me_.began),
+                       static_cast<stress::Stamp>(run_.machine_.clock()), element, kind});
   }
 
   Run& run_;
@@ -355,6 +389,19 @@ void Run::act(unsigned thread) {
 nlohmann::json latency_of(const Tally& tally) {
   if (tally.counted == 0) return nullptr;
   return {{"counts", tally.latency.counts}, {"max", static_cast<double>(tally.longest) / 1e3}};
+}
+
+nlohmann::json Run::order() {
+  if (queues_.size() != 1 || !entry_->claims.carries_elements) return nullptr;
+  std::vector<std::vector<stress::Operation>> logs{std::move(prefill_)};
+  for (Worker& worker : workers_) logs.push_back(std::move(worker.log));
+  const stress::History history = stress::distinct(std::move(logs), 0);
+  const stress::Relaxation found = stress::measure_relaxation(stress::Matching(history));
+  std::size_t operations = 0;
+  for (const auto& log : history.logs) operations += log.size();
+  return {{"rank_error_mean", found.rank_error.mean}, {"rank_error_p99", found.rank_error.p99},
+          {"rank_error_max", found.rank_error.max},   {"pushes_overtaken", found.pushes_overtaken},
+          {"pops_overtaken", found.pops_overtaken},   {"order_operations", operations}};
 }
 
 nlohmann::json Run::result(const Ending& ending, bool explain) {
@@ -390,6 +437,7 @@ nlohmann::json Run::result(const Ending& ending, bool explain) {
       {"operations_per_second", static_cast<double>(operations) / (point_.measured_ns * 1e-9)},
       {"fairness", most == 0 ? 0 : static_cast<double>(least) / static_cast<double>(most)},
       {"latency", {{"push", latency_of(pushes)}, {"pop", latency_of(pops)}}},
+      {"order", order()},
       {"accesses", counts.accesses},
       {"transfers", counts.transfers},
       {"swaps", counts.swaps},

@@ -39,7 +39,8 @@ Roles roles_of(const Point& point);
 ///
 /// status ("ok", "hung", "failed"), message, pushes, pops, failed_pushes, failed_pops (in the
 /// measured time), operations_per_second, fairness, latency (of "push" and "pop": counts per bucket
-/// of a TimeHistogram, and the greatest, in ns), accesses, transfers, swaps, failed_swaps, sleeps,
+/// of a TimeHistogram, and the greatest, in ns), order (of the elements, of all operations since
+/// the start; null where there are two queues), accesses, transfers, swaps, failed_swaps, sleeps,
 /// waiting (by cause: share of all threads' time), hot_lines (with `explain`), cpu_seconds,
 /// memory_bytes. Call it once per process.
 nlohmann::json simulate(const Profile& profile, const Point& point, std::uint64_t seed,

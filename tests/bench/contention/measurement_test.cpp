@@ -202,6 +202,47 @@ TEST(Latency, IsThatOfEachOperationOfItsOwn) {
   EXPECT_FALSE(sample.push_times.buckets.empty());
 }
 
+/// What went in last comes out first.
+struct Stack {
+  Stack(unsigned, std::size_t) {}
+  bool push(unsigned, std::uint64_t element) {
+    const std::lock_guard lock(mutex);
+    elements.push_back(element);
+    return true;
+  }
+  bool pop(unsigned, std::uint64_t& element) {
+    const std::lock_guard lock(mutex);
+    if (elements.empty()) return false;
+    element = elements.back();
+    elements.pop_back();
+    return true;
+  }
+  std::mutex mutex;
+  std::vector<std::uint64_t> elements;
+};
+
+TEST(Order, IsThatOfAllOperations) {
+  for (const char* scenario : {"rush", "prefilled", "fib"}) {
+    Job job = job_for(scenario, 2);
+    job.queue = "mutex";
+    job.pass = Pass::logged;
+    const Sample queue = measure(job, maker_of<MutexQueue<std::uint64_t>>(), never);
+    const Sample stack = measure(job, maker_of<Stack>(), never);
+    for (const Sample* sample : {&queue, &stack}) {
+      EXPECT_EQ(sample->status, "ok") << scenario << ": " << sample->message;
+      EXPECT_GT(sample->order.operations, 1000U) << scenario;
+    }
+    EXPECT_EQ(queue.order.rank_error_max, 0U) << scenario;
+    EXPECT_GT(stack.order.rank_error_mean, 1) << scenario;
+    EXPECT_GE(static_cast<double>(stack.order.rank_error_max), stack.order.rank_error_mean);
+    EXPECT_LT(queue.order.pushes_overtaken, 0.9) << scenario;
+    if (std::string_view(scenario) != "rush") continue;
+    // Of each burst all but the last one, of which only the end of its push overlaps others.
+    EXPECT_GT(stack.order.pushes_overtaken, 0.8);
+    EXPECT_LT(stack.order.pushes_overtaken, 1);
+  }
+}
+
 TEST(Measurement, EveryProgramRunsOnAQueueAndLosesNothing) {
   for (const Scenario& scenario : scenarios()) {
     for (const unsigned threads : {1U, 2U, 5U}) {

@@ -120,6 +120,10 @@ TEST(Plan, CountingIsAPassOfTheFirstRepetitionWhereAQueueCanCount) {
   Row row;
   EXPECT_EQ(passes_of(plan, row, 0), (std::vector{Pass::plain, Pass::stamped, Pass::counted}));
   EXPECT_EQ(passes_of(plan, row, 1), (std::vector{Pass::plain, Pass::stamped}));
+  plan.order = true;
+  row.scenario = "pairs";
+  EXPECT_EQ(passes_of(plan, row, 1), (std::vector{Pass::plain, Pass::stamped, Pass::logged}));
+  row.scenario = "ping-pong";
   row.not_countable = "a reason";
   EXPECT_EQ(passes_of(plan, row, 0), (std::vector{Pass::plain, Pass::stamped}));
 }

@@ -72,8 +72,9 @@ TEST_F(Findings, bounded_and_random_searches_agree) {
       // libstdc++ polls 16 times before it sleeps; a fair coin seldom lets it.
       if (search == checker::Search::random && std::string(program.name).starts_with("atomic wait"))
         continue;
+      const bool broken = !std::string_view(program.finding).empty();
       const checker::Result result =
-          check(checked, {.search = search, .budget = 2, .executions = 1000});
+          check(checked, {.search = search, .budget = 2, .executions = broken ? 1000U : 200U});
       EXPECT_EQ(found(result), program.finding)
           << program.name << " by search " << static_cast<int>(search) << ": "
           << (result.finding ? result.finding->text : "");
@@ -83,7 +84,7 @@ TEST_F(Findings, bounded_and_random_searches_agree) {
 
 TEST_F(Findings, a_schedule_finds_the_same_again) {
   for (const auto& program : programs()) {
-    if (is_limit(program)) continue;
+    if (is_limit(program) || std::string_view(program.finding).empty()) continue;
     const checker::Program checked = program_of(program);
     for (const auto search : {checker::Search::exhaustive, checker::Search::random}) {
       const checker::Options options{.search = search, .executions = 1000};

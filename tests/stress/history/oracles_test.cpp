@@ -11,7 +11,9 @@ namespace {
 
 constexpr Element a0 = element(0, 0);
 constexpr Element a1 = element(0, 1);
+constexpr Element a2 = element(0, 2);
 constexpr Element b0 = element(1, 0);
+constexpr Element c0 = element(2, 0);
 
 Claims claims(Ordering ordering) {
   return {.ordering = ordering};
@@ -116,7 +118,6 @@ TEST(HappensBefore, FindsSwappedElementsOfOneProducer) {
 TEST(HappensBefore, OrdersElementsThroughWhatAWorkerTook) {
   // Worker 1 pushes b0 after it took a0 of worker 0, who had pushed a0 before a1: b0 is younger
   // than a0 only. Swapping b0 and a1 is fine, swapping them with a0 is not.
-  const Element a2 = element(0, 2);
   const History fine = history({{push(a0, 0, 1), push(a1, 2, 3)}, {pop(a0, 4, 5), push(b0, 6, 7)}},
                                {pop(b0, 8, 9), pop(a1, 10, 11)});
   EXPECT_TRUE(judge(fine, claims(Ordering::fifo_happens_before), 0).violations.empty());
@@ -276,6 +277,40 @@ TEST(Relaxation, CountsWhatWasOvertaken) {
   EXPECT_TRUE(accuses(verdict, Pattern::rank));
   relaxed.relaxation = 3;
   EXPECT_TRUE(judge(h, relaxed, 0).violations.empty());
+}
+
+TEST(Overtaking, GoesByWhoseCallBeganFirst) {
+  // b0's push begins last and enters first: a0 and c0 are overtaken, in an order that is FIFO.
+  const History pushes = history({{push(a0, 0, 9)}, {push(b0, 2, 4)}, {push(c0, 1, 8)}},
+                                 {pop(b0, 10, 11), pop(a0, 12, 13), pop(c0, 14, 15)});
+  const Relaxation of_pushes = measure_relaxation(Matching(pushes));
+  EXPECT_EQ(of_pushes.rank_error.max, 0U);
+  EXPECT_DOUBLE_EQ(of_pushes.pushes_overtaken, 2. / 3);
+  EXPECT_DOUBLE_EQ(of_pushes.pops_overtaken, 0);
+
+  // The pop that begins last gets the oldest element.
+  const History pops = history({{push(a0, 0, 1), push(a1, 2, 3), push(a2, 4, 5)},
+                                {pop(a1, 10, 19)},
+                                {pop(a0, 12, 14)},
+                                {pop(a2, 11, 20)}});
+  const Relaxation of_pops = measure_relaxation(Matching(pops));
+  EXPECT_DOUBLE_EQ(of_pops.pushes_overtaken, 0);
+  EXPECT_DOUBLE_EQ(of_pops.pops_overtaken, 2. / 3);
+
+  History unsure = pops;
+  unsure.error = 2;
+  EXPECT_DOUBLE_EQ(measure_relaxation(Matching(unsure)).pops_overtaken, 0);
+}
+
+TEST(Overtaking, CanBeMeasuredOfWordsThatComeAgain) {
+  constexpr Element word = 77;
+  const History h = distinct(
+      {{push(word, 0, 1), pop(word, 6, 7)}, {pop(word, 2, 3), push(word, 4, 5), push(5, 8, 9)}}, 0);
+  const Matching matching(h);
+  EXPECT_TRUE(matching.violations().empty());
+  EXPECT_EQ(h.logs[0][1].value, h.logs[1][1].value);
+  EXPECT_NE(h.logs[0][0].value, h.logs[1][1].value);
+  EXPECT_EQ(matching.lives()[1].size(), 2U);
 }
 
 TEST(OwnWorker, EachWorkersQueueIsJudgedAlone) {

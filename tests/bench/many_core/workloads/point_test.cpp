@@ -126,6 +126,18 @@ TEST(Simulator, what_goes_in_comes_out) {
   }
 }
 
+TEST(Simulator, order_is_that_of_all_operations) {
+  for (const char* name : {"lock", "lprq"}) {
+    const nlohmann::json order = run(queue(name, "rush", 8))["order"];
+    EXPECT_EQ(order["rank_error_max"], 0) << name;
+    EXPECT_GT(order["pushes_overtaken"], 0) << name << ": of pushes that overlap none was passed";
+    EXPECT_LT(order["pushes_overtaken"], 0.9) << name;
+    EXPECT_GT(order["order_operations"], 100) << name;
+  }
+  EXPECT_GT(run(queue("multi-fifo", "rush", 8))["order"]["rank_error_mean"], 0);
+  EXPECT_EQ(run(queue("lock", "ping-pong", 8))["order"], nullptr) << "there are two queues";
+}
+
 TEST(Simulator, sleepers_wake) {
   const nlohmann::json result = run(queue("lfree-waiting", "wake", 6));
   EXPECT_EQ(result["status"], "ok") << result["message"];
