@@ -347,12 +347,10 @@ History distinct(std::vector<std::vector<Operation>> logs, Stamp error) {
   for (auto& log : logs)
     for (Operation& operation : log)
       (operation.kind == Kind::push ? pushes : pops).push_back(&operation);
-  const auto by_word_and_time = [](const Operation* operation) {
-    return std::pair(operation->value, operation->invoked);
-  };
-  std::ranges::sort(pushes, {}, by_word_and_time);
-  std::ranges::sort(pops, {}, by_word_and_time);
-  // A word is in one place at a time: its n-th pop took what its n-th push brought.
+  // A word is in one place at a time: its n-th pop took what its n-th push brought. Its pushes
+  // begin in their order, its pops end in theirs; a pop may have begun long before.
+  std::ranges::sort(pushes, {}, [](const Operation* o) { return std::pair(o->value, o->invoked); });
+  std::ranges::sort(pops, {}, [](const Operation* o) { return std::pair(o->value, o->returned); });
   std::vector<std::pair<const Operation*, Operation*>> lives;
   auto pop = pops.begin();
   for (const Operation* push : pushes) {
@@ -365,7 +363,7 @@ History distinct(std::vector<std::vector<Operation>> logs, Stamp error) {
       if (operation.kind == Kind::push) operation.value = element(producer, sequence++);
   }
   for (const auto& [push, its_pop] : lives) its_pop->value = push->value;
-  return {.logs = std::move(logs), .drain = {}, .error = error};
+  return {.logs = std::move(logs), .drain = {}, .emptied = false, .error = error};
 }
 
 }  // namespace irt::stress

@@ -226,7 +226,7 @@ template <class Tree, class Hand>
 void grow(Hand& hand, unsigned tag) {
   hand.work();
   Tree::children(tag, [&](unsigned child) {
-    if (!hand.push_tagged(child)) grow<Tree>(hand, child);
+    if (hand.running() && !hand.push_tagged(child)) grow<Tree>(hand, child);
   });
   hand.finished_one();
 }

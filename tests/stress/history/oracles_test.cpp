@@ -304,8 +304,9 @@ TEST(Overtaking, GoesByWhoseCallBeganFirst) {
 
 TEST(Overtaking, CanBeMeasuredOfWordsThatComeAgain) {
   constexpr Element word = 77;
+  // The pop that began first waited for the second push.
   const History h = distinct(
-      {{push(word, 0, 1), pop(word, 6, 7)}, {pop(word, 2, 3), push(word, 4, 5), push(5, 8, 9)}}, 0);
+      {{push(word, 1, 2), pop(word, 0, 7)}, {pop(word, 2, 3), push(word, 4, 5), push(5, 8, 9)}}, 0);
   const Matching matching(h);
   EXPECT_TRUE(matching.violations().empty());
   EXPECT_EQ(h.logs[0][1].value, h.logs[1][1].value);

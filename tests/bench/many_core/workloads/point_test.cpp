@@ -120,21 +120,25 @@ TEST(Simulator, what_goes_in_comes_out) {
       const nlohmann::json result = run(queue(name, scenario.name, 6));
       EXPECT_EQ(result["status"], "ok")
           << name << ", " << scenario.name << ": " << result["message"];
-      EXPECT_GT(result["pops"].get<double>(), scenario.producer_pause_ns > 0 ? 50 : 100)
+      // A tree that has outgrown its queue is worked off without it.
+      const bool tree = scenario.name == "fib" || scenario.name == "skynet";
+      EXPECT_GT(result["pops"].get<double>(), tree                             ? 4
+                                              : scenario.producer_pause_ns > 0 ? 50
+                                                                               : 100)
           << name << ", " << scenario.name;
     }
   }
 }
 
 TEST(Simulator, order_is_that_of_all_operations) {
-  for (const char* name : {"lock", "lprq"}) {
+  for (const char* name : {"lock", "lfree"}) {
     const nlohmann::json order = run(queue(name, "rush", 8))["order"];
     EXPECT_EQ(order["rank_error_max"], 0) << name;
     EXPECT_GT(order["pushes_overtaken"], 0) << name << ": of pushes that overlap none was passed";
     EXPECT_LT(order["pushes_overtaken"], 0.9) << name;
     EXPECT_GT(order["order_operations"], 100) << name;
   }
-  EXPECT_GT(run(queue("multi-fifo", "rush", 8))["order"]["rank_error_mean"], 0);
+  EXPECT_GT(run(queue("local", "rush", 8))["order"]["rank_error_mean"], 0);
   EXPECT_EQ(run(queue("lock", "ping-pong", 8))["order"], nullptr) << "there are two queues";
 }
 
