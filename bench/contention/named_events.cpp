@@ -37,7 +37,7 @@ constexpr std::array other_ccx_fills{
     "ANY_DATA_CACHE_FILLS_FROM_SYSTEM:EXT_CACHE_LCL:EXT_CACHE_RMT",
     "DATA_CACHE_REFILLS_FROM_SYSTEM:LS_MABRESP_RMT_CACHE"};
 
-constexpr std::array all{
+constexpr std::array events_by_family{
     NamedEvent{"l1_misses", l1_misses},     NamedEvent{"l2_misses", l2_misses},
     NamedEvent{"l3_misses", l3_misses},     NamedEvent{"hitm", hitm},
     NamedEvent{"remote_hitm", remote_hitm}, NamedEvent{"other_ccx_fills", other_ccx_fills},
@@ -46,7 +46,7 @@ constexpr std::array all{
 }  // namespace
 
 std::span<const NamedEvent> named_events() {
-  return all;
+  return events_by_family;
 }
 
 std::optional<HardwareEvent> encode(const NamedEvent& event, const std::string& pmu) {
