@@ -6,10 +6,14 @@
 # The header of a queue: anything.hpp, and after a colon the class template in it.
 outside_pattern='^(.+\.(hpp|hh|hxx|h))(:[A-Za-z_][A-Za-z0-9_:]*)?$'
 
-# class_templates HEADER : the class templates of one type in it, a line each: "class NAME", and
-# "claims NAME" for those that make claims themselves.
+# class_templates HEADER : the class templates of one type in it that are no members of others, a line
+# each: "class NAME", and "claims NAME" for those that make claims themselves.
 class_templates() {
   awk '
+    function within_a_class(  d, namespaces) {
+      for (d in spaces) if (d <= depth) ++namespaces
+      return depth > namespaces
+    }
     { line = $0; sub(/\/\/.*/, "", line) }
     match(line, /^[ \t]*(inline[ \t]+)?namespace[ \t]+[A-Za-z_0-9:]+/) {
       name = substr(line, RSTART, RLENGTH); sub(/.*namespace[ \t]+/, "", name)
@@ -21,7 +25,7 @@ class_templates() {
     }
     { rest = line; sub(/^[ \t]*template[ \t]*<[^<>]*>/, "", rest) }
     # Not a mere declaration; an alias is as good.
-    is_template && (rest !~ /;[ \t]*$/ || rest ~ /[{=]/) &&
+    is_template && !within_a_class() && (rest !~ /;[ \t]*$/ || rest ~ /[{=]/) &&
       match(rest, /^[ \t]*(class|struct|using)[ \t]+[A-Za-z_][A-Za-z0-9_]*/) {
       found = substr(rest, RSTART, RLENGTH); sub(/[ \t]*(class|struct|using)[ \t]+/, "", found)
       candidate = ""
@@ -71,22 +75,29 @@ first_error() {
 }
 
 # note_need OPTION VALUE : what a header needs beside itself, into includes, links, sources and flags
-# of the caller, each as ",a,b". The option is one of --include, --link, --source and --flag.
+# of the caller, a line each. The option is one of --include, --link, --source and --flag; a flag may
+# have commas, of the others they separate several.
 note_need() {
   local value=$2
-  [[ $1 != --flag && -e $value ]] && value=$(realpath -- "$value")
+  if [[ -e $value && $1 != --flag ]]; then
+    value=$(realpath -- "$value")
+  elif [[ $1 != --flag ]]; then
+    value=${value//,/$'\n'}
+  fi
   case $1 in
-    --include) includes+=,$value ;;
-    --link) links+=,$value ;;
-    --source) sources+=,$value ;;
-    --flag) flags+=,$value ;;
+    --include) includes+=$value$'\n' ;;
+    --link) links+=$value$'\n' ;;
+    --source) sources+=$value$'\n' ;;
+    --flag) flags+=$value$'\n' ;;
   esac
 }
 
-# quoted_list ",a,b" : "a" "b", for CMake.
+# quoted_list LINES : "a" "b", for CMake.
 quoted_list() {
   local element
-  while read -r -d, element; do [[ -z $element ]] || printf ' "%s"' "$element"; done <<<"$1,"
+  while read -r element; do
+    [[ -z $element ]] || printf ' "%s"' "$(sed 's/[\\"]/\\&/g' <<<"$element")"
+  done <<<"$1"
 }
 
 # Builds what plug-ins are compiled against and installs it beside the build.
@@ -112,7 +123,7 @@ modules_of() {
   esac
 }
 
-# build_outside PRESET TOOL HEADER[:CLASS] ,INCLUDE... ,LINK... ,SOURCE... ,FLAG... : builds of the
+# build_outside PRESET TOOL HEADER[:CLASS] INCLUDES LINKS SOURCES FLAGS : builds of the
 # plug-in what the tool opens; sets outside_plugin and outside_queue.
 build_outside() {
   local preset=$1 tool=$2 given=$3 includes=$4 links=$5 sources=$6 flags=$7

@@ -42,7 +42,7 @@ replace_program() {
   export IRT_PROGRAM_GIVEN=${given# }
 }
 
-# build_program PRESET NAME ,INCLUDE... ,LINK... ,SOURCE... ,FLAG... : sets program_module.
+# build_program PRESET NAME INCLUDES LINKS SOURCES FLAGS : sets program_module.
 build_program() {
   local preset=$1 given=$2 includes=$3 links=$4 sources=$5 flags=$6
   local name key folder project all_flags log

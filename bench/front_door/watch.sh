@@ -95,7 +95,7 @@ watch_queue() {
     before=$out/$(basename -- "${file%.*}")_before.${file##*.}
     rm -f -- "$out/before"
     cp -- "$file" "$before"
-    (build_outside release watch "$before$class" "$includes,$(realpath -- "$(dirname -- "$file")")" "$links" \
+    (build_outside release watch "$before$class" "$includes$(realpath -- "$(dirname -- "$file")")" "$links" \
       "$sources" "$flags" && printf '%s\n' "$outside_plugin" "$outside_queue" >"$out/before") 2>/dev/null
     mapfile -t baseline < <(cat "$out/before" 2>/dev/null)
     if ((${#baseline[@]} == 2)); then

@@ -42,6 +42,8 @@ function(irt_add_plugin name header class)
     set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${file}
       CXX_VISIBILITY_PRESET hidden LINKER_LANGUAGE CXX)
     target_link_libraries(${target} PRIVATE irt::queues ${ARG_LINK} ${needed_by_${kind}})
+    # Operations on 16 bytes are calls.
+    target_link_options(${target} PRIVATE LINKER:--push-state,--as-needed,-latomic,--pop-state)
     target_compile_options(${target} PRIVATE -O2 -UNDEBUG
       $<$<BOOL:${IRT_HAS_TLS_DESCRIPTORS}>:-mtls-dialect=gnu2>)
   endforeach()

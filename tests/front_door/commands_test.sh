@@ -228,17 +228,18 @@ outside_queue_brings_what_it_needs() {
     fail "the source is not in the plug-in"
 
   write_queue flagged.hpp Flagged
-  printf '#ifndef HAS_FLAG\n#error no flag\n#endif\n' >>flagged.hpp
+  printf '#if !defined(FIRST) || FIRST(1, 0) != 1\n#error no flag\n#endif\n' >>flagged.hpp
   irt render --queue flagged.hpp
   expect_code 2
-  irt render --flag=-DHAS_FLAG --queue flagged.hpp
+  irt render --flag='-DFIRST(a,b)=a' --queue flagged.hpp
   expect_code 0
 }
 
 outside_queue_may_be_a_line_or_an_alias() {
   cd "$work" || exit 1
-  printf 'struct Claims {};\ntemplate <class T> class Declared;\n%s\n%s\n' \
-    'template <class T> class Line { static constexpr Claims claims{}; };' \
+  printf 'struct Claims {};\ntemplate <class T> class Declared;\n%s\n%s\n%s\n%s\n' \
+    'template <class T> class Line {' '  template <class U> struct Member {};' \
+    '  static constexpr Claims claims{}; };' \
     'template <class T> using Alias = Line<T>;' >line.hpp
   irt render --queue line.hpp
   expect_code 0
