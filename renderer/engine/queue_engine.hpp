@@ -34,7 +34,6 @@ class QueueEngine final : public Engine {
     workers_.reserve(options.threads);
     for (unsigned i = 0; i < options.threads; ++i) {
       workers_.push_back(std::make_unique<Worker>(shared_, i));
-      shared_.idle.push_back(&workers_.back()->is_idle());
     }
     start_threads();
   }
@@ -125,7 +124,7 @@ FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
     throw;
   }
   // Round-robin, as LOCAL wants it (7.2).
-  Worker::Loop::deal(first.finish(), shared_.outstanding,
+  Worker::Loop::deal(first.finish(), shared_.counts,
                      [&](std::size_t i) -> Worker& { return *workers_[i % workers_.size()]; });
   const Clock::time_point generated = Clock::now();
   shared_.frame_begin = generated;

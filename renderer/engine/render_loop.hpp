@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "renderer/engine/task_counts.hpp"
 #include "renderer/spin_wait.hpp"
 
 namespace irt {
@@ -18,8 +19,7 @@ namespace irt {
 ///     auto& queue();       // push(worker, void*), pop(worker, void*&)
 ///     unsigned number();   // which worker it is
 ///     std::vector<Task*>& overflow();            // tasks that the queue had no room for
-///     std::atomic<bool>& idle();
-///     std::atomic<std::int64_t>& outstanding();  // tasks of all threads, queued or in hand
+///     TaskCounts& counts();                      // of all threads
 ///     bool leaves_when_empty();
 ///     bool tasks_are_lost();  // asked now and then by who finds nothing: then it is over
 ///
@@ -40,9 +40,8 @@ class RenderLoop {
 
   /// Queues the tasks that a frame starts with, the `i`th in the name of the thread `host_of(i)`.
   /// None of them works yet. `first` has size() and [], which gives pointers.
-  static void deal(const auto& first, std::atomic<std::int64_t>& outstanding, const auto& host_of) {
-    // Relaxed: published by the barrier that opens the frame.
-    outstanding.store(static_cast<std::int64_t>(first.size()), std::memory_order_relaxed);
+  static void deal(const auto& first, TaskCounts& counts, const auto& host_of) {
+    counts.open(first.size());
     for (std::size_t i = 0; i < first.size(); ++i) put(host_of(i), *first[i]);
   }
 
@@ -50,27 +49,23 @@ class RenderLoop {
   static void work(Host host) {
     SpinWait wait;
     std::uint32_t misses = 0;
+    unsigned watched = host.number();
     while (true) {
       if (Task* task = get(host)) {
         host.got();
         if (misses != 0) {
           misses = 0;
           wait.reset();
-          // Relaxed: only the watch for lost tasks looks, and more than once.
-          host.idle().store(false, std::memory_order_relaxed);
+          host.counts().rest(host.number(), false);
         }
         process(host, *task);
         continue;
       }
       host.missed();
       if (host.leaves_when_empty()) return;
-      // Relaxed: a task is counted before it is queued and discounted after its children are
-      // counted, so in the modification order of the count 0 comes once, after the last task; the
-      // store that opened the frame is ordered before by the barrier. What the tasks wrote is
-      // published by the barrier, not by the count.
-      if (host.outstanding().load(std::memory_order_relaxed) == 0) return;
-      // Relaxed: as above.
-      if (misses++ == 0) host.idle().store(true, std::memory_order_relaxed);
+      if (misses++ == 0) host.counts().rest(host.number(), true);
+      // What the tasks wrote is published by the barrier, not by the counts.
+      if (host.counts().all_done(watched)) return;
       if (misses % 1024 == 0 && host.tasks_are_lost()) return;
       wait();
       host.waited();
@@ -100,9 +95,7 @@ class RenderLoop {
     // Relaxed: of two takers exactly one finds true, by atomicity alone.
     const bool first_time = task.queued.exchange(false, std::memory_order_relaxed);
     const auto children = host.answer(task, first_time);
-    // One step for the task that is done and the ones it made; see `work` for the order.
-    const std::int64_t change = static_cast<std::int64_t>(children.size()) - (first_time ? 1 : 0);
-    if (change != 0) host.outstanding().fetch_add(change, std::memory_order_relaxed);
+    host.counts().count(host.number(), children.size(), first_time);
     host.hand_on(children, [&](Task& child) { put(host, child); });
   }
 };

@@ -26,7 +26,6 @@ struct SharedByThreads {
   const Accelerator& accelerator;
   TaskPool pool;
   double clock_cost = 0;  ///< in nanoseconds
-  std::vector<const std::atomic<bool>*> idle{};
 
   // Written before the barrier that opens a frame, read after it.
   Application* application = nullptr;
@@ -34,7 +33,7 @@ struct SharedByThreads {
   bool leaves_when_empty = false;
 
   EarlyEnd early_end{options.cancel};
-  alignas(128) std::atomic<std::int64_t> outstanding{0};
+  TaskCounts counts{options.threads};
   alignas(128) std::atomic<std::uint64_t> doubled{0};
 };
 
@@ -55,10 +54,7 @@ class alignas(128) RenderThread {
         spare_(shared.options.rays_per_task) {}
 
   /// Before a frame, while no thread works.
-  void reset() {
-    stats_ = {};
-    idle_ = false;
-  }
+  void reset() { stats_ = {}; }
 
   /// Works on the frame until there is nothing left to do.
   void work() {
@@ -66,8 +62,7 @@ class alignas(128) RenderThread {
     log({.begin = shared_.frame_begin, .end = mark_, .activity = Activity::barrier});
     watch_ = {};
     Loop::work(*this);
-    // Relaxed: see RenderLoop::work.
-    idle_.store(true, std::memory_order_relaxed);
+    shared_.counts.rest(index_, true);
   }
 
   /// The frame ended for all at `finished`.
@@ -80,7 +75,6 @@ class alignas(128) RenderThread {
 
   /// Since `reset`.
   [[nodiscard]] const WorkerStats& stats() const { return stats_; }
-  [[nodiscard]] const std::atomic<bool>& is_idle() const { return idle_; }
 
  private:
   // What the loop asks for.
@@ -88,8 +82,7 @@ class alignas(128) RenderThread {
   Queue& queue() { return *shared_.queue; }
   [[nodiscard]] unsigned number() const { return index_; }
   std::vector<Task*>& overflow() { return overflow_; }
-  std::atomic<bool>& idle() { return idle_; }
-  std::atomic<std::int64_t>& outstanding() { return shared_.outstanding; }
+  TaskCounts& counts() { return shared_.counts; }
   [[nodiscard]] bool leaves_when_empty() const { return shared_.leaves_when_empty; }
   bool tasks_are_lost();
   std::vector<Task*> answer(Task& task, bool first_time);
@@ -139,7 +132,7 @@ class alignas(128) RenderThread {
   struct LossWatch {
     Clock::time_point last{};
     Clock::duration quiet{};
-    std::int64_t outstanding = 0;
+    std::uint64_t outstanding = 0;
   };
 
   Shared& shared_;
@@ -151,7 +144,6 @@ class alignas(128) RenderThread {
   Answers answers_;
   Task spare_;  // holds the copy of a task that came out twice
   LossWatch watch_;
-  alignas(64) std::atomic<bool> idle_{false};
 };
 
 template <class Queue, bool measured, bool traced>
@@ -194,10 +186,9 @@ std::vector<Task*> RenderThread<Queue, measured, traced>::answer(Task& task, boo
 template <class Queue, bool measured, bool traced>
 bool RenderThread<Queue, measured, traced>::tasks_are_lost() {
   using namespace std::chrono_literals;
-  // Relaxed: looks are repeated over seconds, and a wrong one only starts the watch anew.
-  const bool all_idle = std::ranges::all_of(
-      shared_.idle, [](const auto* idle) { return idle->load(std::memory_order_relaxed); });
-  const std::int64_t outstanding = shared_.outstanding.load(std::memory_order_relaxed);
+  // Looks are repeated over seconds, and a wrong one only starts the watch anew.
+  const bool all_idle = shared_.counts.all_rest();
+  const std::uint64_t outstanding = shared_.counts.outstanding();
   const Clock::time_point now = Clock::now();
   if (all_idle && outstanding == watch_.outstanding) {
     watch_.quiet += std::min<Clock::duration>(now - watch_.last, 10ms);

@@ -21,13 +21,16 @@ struct alignas(64) Task {
 
 struct alignas(128) Worker {
   std::vector<Task*> overflow;
-  alignas(64) std::atomic<bool> idle{false};
 };
 
 // What the threads share.
 struct Replay {
   explicit Replay(const ReplayPlan& what)
-      : plan(what), tasks(what.tasks), workers(what.threads), barrier(what.threads) {
+      : plan(what),
+        tasks(what.tasks),
+        workers(what.threads),
+        barrier(what.threads),
+        counts(what.threads) {
     for (const FrameBufferEntry& entry : frame_buffers()) {
       if (entry.name == what.frame_buffer) buffer = entry.make(what.width, what.height);
     }
@@ -41,8 +44,7 @@ struct Replay {
   std::vector<Worker> workers;
   std::unique_ptr<FrameBuffer> buffer;
   std::barrier<> barrier;
-  // Last, so that nothing else shares its lines: the object is padded to its alignment.
-  alignas(128) std::atomic<std::int64_t> outstanding{0};
+  TaskCounts counts;
 };
 
 void Replay::contribute(std::uint32_t number) const {
@@ -96,8 +98,7 @@ class ReplayThread {
   [[nodiscard]] AnyWorkQueue<void*>& queue() const { return *shared_.plan.queue; }
   [[nodiscard]] unsigned number() const { return me_; }
   [[nodiscard]] std::vector<Task*>& overflow() const { return shared_.workers[me_].overflow; }
-  [[nodiscard]] std::atomic<bool>& idle() const { return shared_.workers[me_].idle; }
-  [[nodiscard]] std::atomic<std::int64_t>& outstanding() const { return shared_.outstanding; }
+  [[nodiscard]] TaskCounts& counts() const { return shared_.counts; }
   [[nodiscard]] bool leaves_when_empty() const { return shared_.plan.leave_when_empty; }
   static bool tasks_are_lost() { return false; }  // the simulator ends what hangs
   Children answer(Task& task, bool first_time) const;
@@ -118,7 +119,7 @@ class ReplayThread {
   // Thread 0 also does what the application's thread does in the engine.
   void start_frame() const {
     shared_.plan.host->generate();
-    Loop::deal(FirstTasks{shared_}, shared_.outstanding, [this](std::size_t i) {
+    Loop::deal(FirstTasks{shared_}, shared_.counts, [this](std::size_t i) {
       return ReplayThread(shared_, static_cast<unsigned>(i % shared_.plan.threads));
     });
   }

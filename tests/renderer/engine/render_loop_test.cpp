@@ -37,19 +37,18 @@ class Host {
   Place& queue() { return place; }
   static unsigned number() { return 0; }
   std::vector<Job*>& overflow() { return kept; }
-  std::atomic<bool>& idle() { return is_idle; }
-  std::atomic<std::int64_t>& outstanding() { return count; }
+  TaskCounts& counts() { return tasks; }
   [[nodiscard]] bool leaves_when_empty() const { return leaves; }
   bool tasks_are_lost() { return ++looks > 0; }
 
   std::span<Job> answer(Job& job, bool first_time) {
-    EXPECT_GT(count, 0) << "a task was discounted before its children were counted";
+    EXPECT_GT(tasks.outstanding(), 0U) << "a task was done before its children were counted";
     ++job.answers;
     job.first_answers += first_time ? 1 : 0;
     return first_time ? job.children : std::span<Job>{};
   }
   void hand_on(std::span<Job> children, const auto& put) {
-    EXPECT_GE(count, static_cast<std::int64_t>(children.size())) << "queued before it was counted";
+    EXPECT_GE(tasks.outstanding(), children.size()) << "queued before it was counted";
     for (Job& child : children) put(child);
   }
 
@@ -60,8 +59,7 @@ class Host {
 
   Place place;
   std::vector<Job*> kept;
-  std::atomic<bool> is_idle{false};
-  std::atomic<std::int64_t> count{0};
+  TaskCounts tasks{1};
   bool leaves = false;
   int looks = 0, gets = 0, misses = 0, overflows = 0;
 };
@@ -69,7 +67,7 @@ class Host {
 using Loop = RenderLoop<Host&>;
 
 void deal(Host& host, const std::vector<Job*>& first) {
-  Loop::deal(first, host.count, [&](std::size_t /*i*/) -> Host& { return host; });
+  Loop::deal(first, host.tasks, [&](std::size_t /*i*/) -> Host& { return host; });
 }
 
 TEST(RenderLoop, AnswersEveryTaskOnceAndQueuesItsChildren) {
@@ -81,10 +79,10 @@ TEST(RenderLoop, AnswersEveryTaskOnceAndQueuesItsChildren) {
     Host host;
     host.leaves = leaves;
     deal(host, {jobs.data(), &jobs[1]});
-    EXPECT_EQ(host.count, 2);
+    EXPECT_EQ(host.tasks.outstanding(), 2U);
     Loop::work(host);
     for (const Job& job : jobs) EXPECT_EQ(job.first_answers, 1);
-    EXPECT_EQ(host.count, 0);
+    EXPECT_EQ(host.tasks.outstanding(), 0U);
     EXPECT_EQ(host.gets, 6);
     EXPECT_EQ(host.misses, 1);
     EXPECT_EQ(host.overflows, 3) << "one of the first two and two of three children";
@@ -97,11 +95,11 @@ TEST(RenderLoop, CountsATaskThatComesOutTwiceOnce) {
   Host host;
   host.place.hand_out_twice = true;
   deal(host, {&job});
-  ++host.count;  // another is still worked on: else nobody would look again
+  host.tasks.count(0, 1, false);  // another is still worked on: else nobody would look again
   Loop::work(host);
   EXPECT_EQ(job.answers, 2);
   EXPECT_EQ(job.first_answers, 1);
-  EXPECT_EQ(host.count, 1);
+  EXPECT_EQ(host.tasks.outstanding(), 1U);
   EXPECT_EQ(host.looks, 1);
 }
 
@@ -114,7 +112,7 @@ TEST(RenderLoop, LeavesWhenTheHostGivesUpOnALostTask) {
   EXPECT_EQ(job.answers, 0);
   EXPECT_EQ(host.looks, 1);
   EXPECT_EQ(host.misses, 1024);
-  EXPECT_TRUE(host.is_idle) << "the others still watch";
+  EXPECT_TRUE(host.tasks.all_rest()) << "the others still watch";
 }
 
 }  // namespace
