@@ -171,7 +171,8 @@ program_is_told_from_options() {
     <(printf '<%s>\n' --seconds 3 --json out.json --program main.cpp --module /build/program.so -- 4 a.cpp) ||
     fail 'passed on otherwise'
   diff <(printf '<%s>\n' "${built[@]}") \
-    <(printf '<%s>\n' release main.cpp ",$work" '' ",$work/main.cpp,$work/more.c" ,-DX) ||
+    <(printf '<%s>\n' release main.cpp "$work"$'\n' '' "$work/main.cpp"$'\n'"$work/more.c"$'\n' \
+      -DX$'\n') ||
     fail 'built otherwise'
   [[ $IRT_PROGRAM_GIVEN == 'main.cpp more.c --include=. --flag=-DX' ]] ||
     fail "told as $IRT_PROGRAM_GIVEN"
