@@ -36,10 +36,20 @@ class Topology {
   Topology(const Topology&) = delete;
   Topology& operator=(const Topology&) = delete;
 
+  static const Topology& of_this_machine() {
+    static const Topology topology;
+    return topology;
+  }
+
   [[nodiscard]] bool bind(unsigned index) const {
-    if (order_.empty()) return false;
-    return hwloc_set_cpubind(topology_, order_[index % order_.size()]->cpuset,
-                             HWLOC_CPUBIND_THREAD) == 0;
+    return !order_.empty() && bind(order_[index % order_.size()]->cpuset);
+  }
+  bool bind(hwloc_const_cpuset_t where) const {
+    return hwloc_set_cpubind(topology_, where, HWLOC_CPUBIND_THREAD) == 0;
+  }
+  /// Where this thread may run.
+  void read(hwloc_cpuset_t where) const {
+    hwloc_get_cpubind(topology_, where, HWLOC_CPUBIND_THREAD);
   }
 
  private:
@@ -53,9 +63,18 @@ bool can_pin() {
   return true;
 }
 
-bool pin_this_thread(unsigned index) {
-  static const Topology topology;
-  return topology.bind(index);
+Pinned::Pinned(bool wanted, unsigned index) {
+  if (!wanted) return;
+  hwloc_bitmap_t before = hwloc_bitmap_alloc();
+  Topology::of_this_machine().read(before);
+  before_ = before;
+  holds_ = Topology::of_this_machine().bind(index);
+}
+
+Pinned::~Pinned() {
+  const auto before = static_cast<hwloc_bitmap_t>(before_);
+  if (holds_) Topology::of_this_machine().bind(before);
+  hwloc_bitmap_free(before);
 }
 
 }  // namespace irt
@@ -68,9 +87,8 @@ bool can_pin() {
   return false;
 }
 
-bool pin_this_thread(unsigned /*index*/) {
-  return false;
-}
+Pinned::Pinned(bool /*wanted*/, unsigned /*index*/) {}
+Pinned::~Pinned() = default;
 
 }  // namespace irt
 

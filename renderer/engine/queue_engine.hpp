@@ -1,4 +1,6 @@
 /// Render threads (Listing 3.3) and their frames (3.4), over any queue and with or without clocks.
+/// The application's thread is the first of them: it has just made the rays of the first tasks, and
+/// need not be woken.
 ///
 /// The tools use `make_engine`, which runs them over the type-erased face; with the concrete type
 /// of a queue they show what that face costs.
@@ -30,7 +32,7 @@ class QueueEngine final : public Engine {
                 .accelerator = accelerator,
                 .pool = TaskPool(options.threads, options.rays_per_task),
                 .clock_cost = measured ? clock_cost_ns() : 0},
-        barrier_(options.threads + 1) {
+        barrier_(options.threads) {
     workers_.reserve(options.threads);
     for (unsigned i = 0; i < options.threads; ++i) {
       workers_.push_back(std::make_unique<Worker>(shared_, i));
@@ -76,7 +78,7 @@ template <class Queue, bool measured, bool traced>
 void QueueEngine<Queue, measured, traced>::start_threads() {
   // Until all threads exist they wait at a gate, so that a failure half-way can send them home.
   try {
-    for (unsigned i = 0; i < workers_.size(); ++i) {
+    for (unsigned i = 1; i < workers_.size(); ++i) {
       threads_.emplace_back([this, i] { thread_main(*workers_[i], i); });
     }
   } catch (...) {
@@ -87,12 +89,14 @@ void QueueEngine<Queue, measured, traced>::start_threads() {
   }
   gate_ = 1;
   gate_.notify_all();
+  if (!Pinned(shared_.options.pin, 0).holds()) ++unpinned_;
   barrier_.arrive_and_wait();  // every thread has tried to bind itself
 }
 
 template <class Queue, bool measured, bool traced>
 void QueueEngine<Queue, measured, traced>::thread_main(Worker& me, unsigned index) {
-  if (!shared_.options.pin || !pin_this_thread(index)) ++unpinned_;
+  const Pinned pinned(shared_.options.pin, index);
+  if (!pinned.holds()) ++unpinned_;
   gate_.wait(0);
   if (gate_ < 0) return;
   const ActsFor leaves(*shared_.queue, index);
@@ -128,8 +132,13 @@ FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
                      [&](std::size_t i) -> Worker& { return *workers_[i % workers_.size()]; });
   const Clock::time_point generated = Clock::now();
   shared_.frame_begin = generated;
-  barrier_.arrive_and_wait();  // releases the render threads
-  barrier_.arrive_and_wait();  // the frame is finished
+  {
+    const Pinned pinned(shared_.options.pin, 0);
+    barrier_.arrive_and_wait();  // releases the other render threads
+    workers_.front()->work();
+    leave(*shared_.queue, 0);
+    barrier_.arrive_and_wait();  // the frame is finished
+  }
   const Clock::time_point rendered = Clock::now();
   collect(frame, rendered);
   shared_.early_end.rethrow();
