@@ -126,8 +126,8 @@ class Measurement {
       seats_.back()->producer_pause_steps = steps_for(scenario_.producer_pause_ns, job.pace);
       if (logged()) {
         // Beyond the end, for who goes on until it asks; and touched, so that no page is missing.
-        seats_.back()->log_room = log_room;
-        seats_.back()->log.resize(log_room + 4096);
+        seats_.back()->log_room = std::min(most_logged, most_logged_by_all / job.threads);
+        seats_.back()->log.resize(seats_.back()->log_room + 4096);
         seats_.back()->log.clear();
       }
     }
@@ -190,7 +190,9 @@ class Measurement {
   }
 
  private:
-  static constexpr std::size_t log_room = std::size_t{1} << 18;  // operations of a thread
+  // Operations of a thread, and of all threads, for half a gigabyte.
+  static constexpr std::size_t most_logged = std::size_t{1} << 18;
+  static constexpr std::size_t most_logged_by_all = std::size_t{1} << 24;
 
   [[nodiscard]] bool stamped() const { return job_.pass == Pass::stamped; }
   [[nodiscard]] bool logged() const { return job_.pass == Pass::logged; }
