@@ -26,9 +26,10 @@ struct Registered {
     const auto& names = registered_queues(ModuleKind::plugin);
     build_modules(names, ModuleKind::plugin);
     for (const std::string& name : names) entries.push_back(*of_the_tree(name));
-    carriers = std::ranges::stable_partition(
-                   entries, [](const QueueEntry& entry) { return entry.claims.carries_elements; })
-                   .begin() -
+    // Not that of std::ranges, which clang 14 cannot compile of this library.
+    carriers = std::stable_partition(
+                   entries.begin(), entries.end(),
+                   [](const QueueEntry& entry) { return entry.claims.carries_elements; }) -
                entries.begin();
   }
 

@@ -205,7 +205,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"claims", row.claims},
       {"allocator", allocator()},
       {"seed", plan.seed},
-      {"conditions", std::move(conditions)},
+      {"conditions", conditions},
   });
 }
 

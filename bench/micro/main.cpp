@@ -68,6 +68,7 @@ int run(int argc, char** argv) {
   std::vector<std::string> others = app.remaining();
   others.insert(others.begin(), {"irt bench micro", "--benchmark_min_time=0.1"});
   std::vector<char*> pointers;
+  pointers.reserve(others.size());
   for (std::string& other : others) pointers.push_back(other.data());
   int count = static_cast<int>(pointers.size());
   benchmark::Initialize(&count, pointers.data());

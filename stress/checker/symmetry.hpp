@@ -39,6 +39,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "stress/checker/graph.hpp"

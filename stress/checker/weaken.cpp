@@ -55,6 +55,7 @@ std::size_t mutate_orders(const QueueEntry& entry, virtual_cores::Module& module
     options.watch_orders = true;
     const std::vector<OrderSite> seen = check(client.program(), options).order_sites;
     std::vector<const void*> pcs;
+    pcs.reserve(seen.size());
     for (const OrderSite& site : seen) pcs.push_back(site.pc);
     symbols.look_up(pcs);
     for (const OrderSite& site : seen) {

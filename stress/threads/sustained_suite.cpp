@@ -121,7 +121,7 @@ class Life {
   /// While all stand still. Empties the queue, on behalf of everybody who may pop, and compares;
   /// fills it up, and leaves inside what a life starts with.
   std::optional<BrokenClaim> count() {
-    const auto found = count_all();
+    std::optional<BrokenClaim> found = count_all();
     leave_all(*queue_, roles_.workers);
     return found;
   }

@@ -34,10 +34,11 @@ void read_texts(const char* format, std::va_list arguments, const void* pc) {
     switch (type & ~PA_FLAG_MASK) {
       case PA_FLOAT:
       case PA_DOUBLE:
-        if ((type & PA_FLAG_LONG_DOUBLE) != 0)
-          static_cast<void>(va_arg(rest, long double));
-        else
-          static_cast<void>(va_arg(rest, double));
+        if ((type & PA_FLAG_LONG_DOUBLE) != 0) {
+          [[maybe_unused]] const long double skipped = va_arg(rest, long double);
+        } else {
+          [[maybe_unused]] const double skipped = va_arg(rest, double);
+        }
         break;
       case PA_STRING: {
         const char* text = va_arg(rest, const char*);

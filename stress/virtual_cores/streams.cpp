@@ -5,6 +5,7 @@
 
 #include "stress/virtual_cores/internal.hpp"
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type, and a part of a name
 // A member of `class` without arguments that sets up, or ends, the object it is called for.
 #define IRT_MEMBER(name, type)                                        \
   extern "C" void real_##name(type* object) asm(#name);               \
@@ -12,6 +13,7 @@
     irt::virtual_cores::announce_write(object, sizeof(type), IRT_PC); \
     real_##name(object);                                              \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 IRT_MEMBER(_ZNSt8ios_baseC2Ev, std::ios_base)
