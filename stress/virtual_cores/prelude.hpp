@@ -16,17 +16,7 @@
 /// A section says that the plug-in announcer.cpp was there: results of calls are on stacks then.
 #pragma once
 
-#if defined(__cplusplus)
-#include <bits/c++config.h>
-#undef _GLIBCXX_EXTERN_TEMPLATE
-// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
-#define _GLIBCXX_EXTERN_TEMPLATE 0
-#endif
-
-#if defined(IRT_VC_ANNOUNCER)
-asm(".pushsection irt_announced,\"\",@progbits\n.byte 1\n.popsection\n");
-#endif
-
+// Before the C++ library asks whether the sanitizer is on.
 #if !defined(__clang__)
 asm(".macro pause\n"
     "  leaq -128(%rsp), %rsp\n"
@@ -74,4 +64,15 @@ asm(".macro pause\n"
 #define IRT_VC_NO_thread_sanitizer 0, 0
 // NOLINTNEXTLINE(bugprone-reserved-identifier)
 #define IRT_VC_NO___thread_sanitizer__ 0, 0
+#endif
+
+#if defined(__cplusplus)
+#include <bits/c++config.h>
+#undef _GLIBCXX_EXTERN_TEMPLATE
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
+#define _GLIBCXX_EXTERN_TEMPLATE 0
+#endif
+
+#if defined(IRT_VC_ANNOUNCER)
+asm(".pushsection irt_announced,\"\",@progbits\n.byte 1\n.popsection\n");
 #endif

@@ -19,12 +19,12 @@ namespace irt {
 /// A bag that looks into one half of its places at a time: nothing is ever lost, and *empty* is
 /// wrong.
 template <class T, bool Fixed>
-class HalfBlind_ {
+class HalfBlindCase {
  public:
   static constexpr std::string_view summary = "a bag that looks into half of its places";
   static constexpr Claims claims{.bounded = true, .reclamation = Reclamation::preallocated};
 
-  HalfBlind_(unsigned /*workers*/, std::size_t capacity) : places_(capacity), taken_(capacity) {}
+  HalfBlindCase(unsigned /*workers*/, std::size_t capacity) : places_(capacity), taken_(capacity) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -56,12 +56,12 @@ class HalfBlind_ {
 };
 
 template <class T>
-class HalfBlindBug : public HalfBlind_<T, false> {
-  using HalfBlind_<T, false>::HalfBlind_;
+class HalfBlindBug : public HalfBlindCase<T, false> {
+  using HalfBlindCase<T, false>::HalfBlindCase;
 };
 template <class T>
-class HalfBlindFixed : public HalfBlind_<T, true> {
-  using HalfBlind_<T, true>::HalfBlind_;
+class HalfBlindFixed : public HalfBlindCase<T, true> {
+  using HalfBlindCase<T, true>::HalfBlindCase;
 };
 
 /// A ring that has all its places only once something was popped. What is pushed before the threads
@@ -99,13 +99,13 @@ class ShortAtFirstBug {
 
 /// A push takes a credit first, a pop gives it back last: *full* counts pops in flight, and pushes.
 template <class T, Answer full>
-class Credited_ {
+class CreditedCase {
  public:
   static constexpr std::string_view summary = "a deque under a lock, with credits";
   static constexpr Claims claims{
       .ordering = Ordering::fifo_happens_before, .bounded = true, .full = full};
 
-  Credited_(unsigned /*workers*/, std::size_t capacity) : credits_(capacity) {}
+  CreditedCase(unsigned /*workers*/, std::size_t capacity) : credits_(capacity) {}
 
   bool push(unsigned /*worker*/, T task) {
     std::size_t credits = credits_.load();
@@ -135,22 +135,22 @@ class Credited_ {
 };
 
 template <class T>
-class CreditedExact : public Credited_<T, Answer::by_ordering> {
-  using Credited_<T, Answer::by_ordering>::Credited_;
+class CreditedExact : public CreditedCase<T, Answer::by_ordering> {
+  using CreditedCase<T, Answer::by_ordering>::CreditedCase;
 };
 template <class T>
-class CreditedInFlight : public Credited_<T, Answer::calls_in_flight> {
-  using Credited_<T, Answer::calls_in_flight>::Credited_;
+class CreditedInFlight : public CreditedCase<T, Answer::calls_in_flight> {
+  using CreditedCase<T, Answer::calls_in_flight>::CreditedCase;
 };
 
 /// A pop takes two and keeps one for the worker's next: *empty* speaks for that worker alone.
 template <class T, Answer empty>
-class Hoarding_ {
+class HoardingCase {
  public:
   static constexpr std::string_view summary = "a deque under a lock, from which workers take two";
   static constexpr Claims claims{.empty = empty};
 
-  Hoarding_(unsigned workers, std::size_t /*capacity*/) : kept_(workers) {}
+  HoardingCase(unsigned workers, std::size_t /*capacity*/) : kept_(workers) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -179,12 +179,12 @@ class Hoarding_ {
 };
 
 template <class T>
-class HoardingBoast : public Hoarding_<T, Answer::by_ordering> {
-  using Hoarding_<T, Answer::by_ordering>::Hoarding_;
+class HoardingBoast : public HoardingCase<T, Answer::by_ordering> {
+  using HoardingCase<T, Answer::by_ordering>::HoardingCase;
 };
 template <class T>
-class HoardingHonest : public Hoarding_<T, Answer::this_worker> {
-  using Hoarding_<T, Answer::this_worker>::Hoarding_;
+class HoardingHonest : public HoardingCase<T, Answer::this_worker> {
+  using HoardingCase<T, Answer::this_worker>::HoardingCase;
 };
 
 /// The last of what a worker pushed is for that worker: *empty* speaks for a worker alone.

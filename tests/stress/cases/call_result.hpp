@@ -23,7 +23,7 @@ template <class T>
 }
 
 template <class T, std::memory_order publish>
-class CallResult_ {
+class CallResultCase {
  public:
   static constexpr std::string_view summary = "a ring whose places are written by a call's result";
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
@@ -32,7 +32,7 @@ class CallResult_ {
                                  .consumers = Callers::one,
                                  .reclamation = Reclamation::preallocated};
 
-  CallResult_(unsigned /*workers*/, std::size_t capacity)
+  CallResultCase(unsigned /*workers*/, std::size_t capacity)
       : size_(capacity + 1), places_(new CallResultBox<T>[size_]) {}  // not initialised, on purpose
 
   bool push(unsigned /*worker*/, T task) {
@@ -61,12 +61,12 @@ class CallResult_ {
 };
 
 template <class T>
-class CallResultBug : public CallResult_<T, std::memory_order_relaxed> {
-  using CallResult_<T, std::memory_order_relaxed>::CallResult_;
+class CallResultBug : public CallResultCase<T, std::memory_order_relaxed> {
+  using CallResultCase<T, std::memory_order_relaxed>::CallResultCase;
 };
 template <class T>
-class CallResultFixed : public CallResult_<T, std::memory_order_release> {
-  using CallResult_<T, std::memory_order_release>::CallResult_;
+class CallResultFixed : public CallResultCase<T, std::memory_order_release> {
+  using CallResultCase<T, std::memory_order_release>::CallResultCase;
 };
 
 }  // namespace irt

@@ -15,7 +15,7 @@
 namespace irt {
 
 template <class T, int places>
-class Chase_ {
+class ChaseCase {
  public:
   static constexpr std::string_view summary =
       "segments of places dealt by fetch-and-add, spoilt by an early pop";
@@ -24,11 +24,11 @@ class Chase_ {
                                  .pop = Progress::lock_free,
                                  .reclamation = Reclamation::at_destruction};
 
-  Chase_(unsigned /*workers*/, std::size_t /*capacity*/) {
+  ChaseCase(unsigned /*workers*/, std::size_t /*capacity*/) {
     head_.store(first_);
     tail_.store(first_);
   }
-  ~Chase_() {
+  ~ChaseCase() {
     while (first_ != nullptr) {
       Segment* next = first_->next.load();
       delete first_;
@@ -99,12 +99,12 @@ class Chase_ {
 };
 
 template <class T>
-class Chase : public Chase_<T, 1024> {
-  using Chase_<T, 1024>::Chase_;
+class Chase : public ChaseCase<T, 1024> {
+  using ChaseCase<T, 1024>::ChaseCase;
 };
 template <class T>
-class ChaseShort : public Chase_<T, 2> {
-  using Chase_<T, 2>::Chase_;
+class ChaseShort : public ChaseCase<T, 2> {
+  using ChaseCase<T, 2>::ChaseCase;
 };
 
 }  // namespace irt

@@ -17,16 +17,16 @@ namespace irt {
 enum class DroppedBy : std::uint8_t { right, uses_freed, leaks, frees_twice };
 
 template <class T, DroppedBy how>
-class DroppedList_ {
+class DroppedListCase {
  public:
   static constexpr std::string_view summary = "a list under a lock, and what its destructor does";
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before};
 
-  DroppedList_(unsigned /*workers*/, std::size_t /*capacity*/) {}
-  DroppedList_(const DroppedList_&) = delete;
-  DroppedList_& operator=(const DroppedList_&) = delete;
+  DroppedListCase(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  DroppedListCase(const DroppedListCase&) = delete;
+  DroppedListCase& operator=(const DroppedListCase&) = delete;
 
-  ~DroppedList_() {
+  ~DroppedListCase() {
     T task{};
     Node* const first = head_;
     switch (how) {
@@ -81,20 +81,20 @@ class DroppedList_ {
 };
 
 template <class T>
-class DroppedListFixed : public DroppedList_<T, DroppedBy::right> {
-  using DroppedList_<T, DroppedBy::right>::DroppedList_;
+class DroppedListFixed : public DroppedListCase<T, DroppedBy::right> {
+  using DroppedListCase<T, DroppedBy::right>::DroppedListCase;
 };
 template <class T>
-class DroppedListUsesBug : public DroppedList_<T, DroppedBy::uses_freed> {
-  using DroppedList_<T, DroppedBy::uses_freed>::DroppedList_;
+class DroppedListUsesBug : public DroppedListCase<T, DroppedBy::uses_freed> {
+  using DroppedListCase<T, DroppedBy::uses_freed>::DroppedListCase;
 };
 template <class T>
-class DroppedListLeaksBug : public DroppedList_<T, DroppedBy::leaks> {
-  using DroppedList_<T, DroppedBy::leaks>::DroppedList_;
+class DroppedListLeaksBug : public DroppedListCase<T, DroppedBy::leaks> {
+  using DroppedListCase<T, DroppedBy::leaks>::DroppedListCase;
 };
 template <class T>
-class DroppedListTwiceBug : public DroppedList_<T, DroppedBy::frees_twice> {
-  using DroppedList_<T, DroppedBy::frees_twice>::DroppedList_;
+class DroppedListTwiceBug : public DroppedListCase<T, DroppedBy::frees_twice> {
+  using DroppedListCase<T, DroppedBy::frees_twice>::DroppedListCase;
 };
 
 }  // namespace irt

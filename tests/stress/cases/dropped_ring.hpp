@@ -18,19 +18,19 @@ namespace irt {
 enum class DropsRing : std::uint8_t { right, looks, wipes };
 
 template <class T, DropsRing how>
-class DroppedRing_ {
+class DroppedRingCase {
  public:
   static constexpr std::string_view summary = "a ring under a lock, and what its destructor does";
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
                                  .bounded = true,
                                  .reclamation = Reclamation::preallocated};
 
-  DroppedRing_(unsigned /*workers*/, std::size_t capacity)
+  DroppedRingCase(unsigned /*workers*/, std::size_t capacity)
       : places_(std::max<std::size_t>(capacity, 1)) {}
-  DroppedRing_(const DroppedRing_&) = delete;
-  DroppedRing_& operator=(const DroppedRing_&) = delete;
+  DroppedRingCase(const DroppedRingCase&) = delete;
+  DroppedRingCase& operator=(const DroppedRingCase&) = delete;
 
-  ~DroppedRing_() {
+  ~DroppedRingCase() {
     for (std::size_t at = head_; places_[at].full; at = after(at)) {
       if (how == DropsRing::right) places_[at].full = false;
       if (how == DropsRing::wipes) places_[at].task = T{};
@@ -70,16 +70,16 @@ class DroppedRing_ {
 };
 
 template <class T>
-class DroppedRingFixed : public DroppedRing_<T, DropsRing::right> {
-  using DroppedRing_<T, DropsRing::right>::DroppedRing_;
+class DroppedRingFixed : public DroppedRingCase<T, DropsRing::right> {
+  using DroppedRingCase<T, DropsRing::right>::DroppedRingCase;
 };
 template <class T>
-class DroppedRingLooksBug : public DroppedRing_<T, DropsRing::looks> {
-  using DroppedRing_<T, DropsRing::looks>::DroppedRing_;
+class DroppedRingLooksBug : public DroppedRingCase<T, DropsRing::looks> {
+  using DroppedRingCase<T, DropsRing::looks>::DroppedRingCase;
 };
 template <class T>
-class DroppedRingWipesBug : public DroppedRing_<T, DropsRing::wipes> {
-  using DroppedRing_<T, DropsRing::wipes>::DroppedRing_;
+class DroppedRingWipesBug : public DroppedRingCase<T, DropsRing::wipes> {
+  using DroppedRingCase<T, DropsRing::wipes>::DroppedRingCase;
 };
 
 }  // namespace irt

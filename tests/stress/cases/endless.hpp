@@ -27,12 +27,12 @@ enum class Computes {
 };
 
 template <class T, Computes what>
-class Endless_ {
+class EndlessCase {
  public:
   static constexpr std::string_view summary = "a bag under a lock whose pop computes";
   static constexpr Claims claims{};
 
-  Endless_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  EndlessCase(unsigned /*workers*/, std::size_t /*capacity*/) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -92,40 +92,40 @@ class Endless_ {
 };
 
 template <class T>
-struct EndlessWaitBug : Endless_<T, Computes::waiting> {
-  using Endless_<T, Computes::waiting>::Endless_;
+struct EndlessWaitBug : EndlessCase<T, Computes::waiting> {
+  using EndlessCase<T, Computes::waiting>::EndlessCase;
 };
 template <class T>
-struct EndlessPauseBug : Endless_<T, Computes::pausing> {
-  using Endless_<T, Computes::pausing>::Endless_;
+struct EndlessPauseBug : EndlessCase<T, Computes::pausing> {
+  using EndlessCase<T, Computes::pausing>::EndlessCase;
 };
 template <class T>
-struct EndlessYieldBug : Endless_<T, Computes::polite> {
-  using Endless_<T, Computes::polite>::Endless_;
+struct EndlessYieldBug : EndlessCase<T, Computes::polite> {
+  using EndlessCase<T, Computes::polite>::EndlessCase;
 };
 template <class T>
-struct EndlessCallBug : Endless_<T, Computes::calling> {
-  using Endless_<T, Computes::calling>::Endless_;
+struct EndlessCallBug : EndlessCase<T, Computes::calling> {
+  using EndlessCase<T, Computes::calling>::EndlessCase;
 };
 template <class T>
-struct EndlessRoundsBug : Endless_<T, Computes::in_rounds> {
-  using Endless_<T, Computes::in_rounds>::Endless_;
+struct EndlessRoundsBug : EndlessCase<T, Computes::in_rounds> {
+  using EndlessCase<T, Computes::in_rounds>::EndlessCase;
 };
 template <class T>
-struct EndlessCount : Endless_<T, Computes::counting> {
-  using Endless_<T, Computes::counting>::Endless_;
+struct EndlessCount : EndlessCase<T, Computes::counting> {
+  using EndlessCase<T, Computes::counting>::EndlessCase;
 };
 template <class T>
-struct EndlessFixed : Endless_<T, Computes::nothing> {
-  using Endless_<T, Computes::nothing>::Endless_;
+struct EndlessFixed : EndlessCase<T, Computes::nothing> {
+  using EndlessCase<T, Computes::nothing>::EndlessCase;
 };
 template <class T>
-struct ComputesAWhile : Endless_<T, Computes::a_while> {
-  using Endless_<T, Computes::a_while>::Endless_;
+struct ComputesAWhile : EndlessCase<T, Computes::a_while> {
+  using EndlessCase<T, Computes::a_while>::EndlessCase;
 };
 template <class T>
-struct ComputesLong : Endless_<T, Computes::long_while> {
-  using Endless_<T, Computes::long_while>::Endless_;
+struct ComputesLong : EndlessCase<T, Computes::long_while> {
+  using EndlessCase<T, Computes::long_while>::EndlessCase;
 };
 
 }  // namespace irt

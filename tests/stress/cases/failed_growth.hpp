@@ -15,18 +15,18 @@
 namespace irt {
 
 template <class T, bool Fixed>
-class FailedGrowth_ {
+class FailedGrowthCase {
  public:
   static constexpr std::string_view summary =
       "MPSC list of arrays, odd index: growing (JCTools#355)";
   static constexpr Claims claims{.ordering = Ordering::per_producer_fifo,
                                  .consumers = Callers::one};
 
-  FailedGrowth_(unsigned /*workers*/, std::size_t /*capacity*/)
+  FailedGrowthCase(unsigned /*workers*/, std::size_t /*capacity*/)
       : first_(new Segment), last_(first_) {}
-  FailedGrowth_(const FailedGrowth_&) = delete;
-  FailedGrowth_& operator=(const FailedGrowth_&) = delete;
-  ~FailedGrowth_() {
+  FailedGrowthCase(const FailedGrowthCase&) = delete;
+  FailedGrowthCase& operator=(const FailedGrowthCase&) = delete;
+  ~FailedGrowthCase() {
     for (Segment* s = first_; s != nullptr;) delete std::exchange(s, s->next.load());
   }
 
@@ -102,12 +102,12 @@ class FailedGrowth_ {
 };
 
 template <class T>
-class FailedGrowthBug : public FailedGrowth_<T, false> {
-  using FailedGrowth_<T, false>::FailedGrowth_;
+class FailedGrowthBug : public FailedGrowthCase<T, false> {
+  using FailedGrowthCase<T, false>::FailedGrowthCase;
 };
 template <class T>
-class FailedGrowthFixed : public FailedGrowth_<T, true> {
-  using FailedGrowth_<T, true>::FailedGrowth_;
+class FailedGrowthFixed : public FailedGrowthCase<T, true> {
+  using FailedGrowthCase<T, true>::FailedGrowthCase;
 };
 
 }  // namespace irt

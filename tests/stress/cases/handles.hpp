@@ -16,7 +16,7 @@ namespace irt {
 enum class Leaving : std::uint8_t { gives_back, forgets, beside_the_lock };
 
 template <class T, Leaving leaving, Callers callers = Callers::many>
-class TwoAtATime_ {
+class TwoAtATimeCase {
  public:
   static constexpr std::string_view summary = "a list of which a handle takes two at a time";
   static constexpr Claims claims{.ordering = Ordering::unordered,
@@ -26,7 +26,7 @@ class TwoAtATime_ {
 
   class Handle {
    public:
-    explicit Handle(TwoAtATime_& queue) : queue_(queue) {}
+    explicit Handle(TwoAtATimeCase& queue) : queue_(queue) {}
     Handle(const Handle&) = delete;
     Handle& operator=(const Handle&) = delete;
     ~Handle() {
@@ -37,12 +37,12 @@ class TwoAtATime_ {
     }
 
    private:
-    friend TwoAtATime_;
-    TwoAtATime_& queue_;
+    friend TwoAtATimeCase;
+    TwoAtATimeCase& queue_;
     std::optional<T> kept_;
   };
 
-  TwoAtATime_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  TwoAtATimeCase(unsigned /*workers*/, std::size_t /*capacity*/) {}
 
   bool push(Handle& /*handle*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -73,13 +73,13 @@ class TwoAtATime_ {
 };
 
 template <class T>
-using TwoAtATime = TwoAtATime_<T, Leaving::gives_back>;
+using TwoAtATime = TwoAtATimeCase<T, Leaving::gives_back>;
 /// One worker pushes and one pops, by whichever threads.
 template <class T>
-using TwoAtATimeForOne = TwoAtATime_<T, Leaving::gives_back, Callers::one>;
+using TwoAtATimeForOne = TwoAtATimeCase<T, Leaving::gives_back, Callers::one>;
 template <class T>
-using TwoAtATimeForgets = TwoAtATime_<T, Leaving::forgets>;
+using TwoAtATimeForgets = TwoAtATimeCase<T, Leaving::forgets>;
 template <class T>
-using TwoAtATimeRaces = TwoAtATime_<T, Leaving::beside_the_lock>;
+using TwoAtATimeRaces = TwoAtATimeCase<T, Leaving::beside_the_lock>;
 
 }  // namespace irt

@@ -11,12 +11,12 @@
 namespace irt {
 
 template <class T, bool endless>
-class LargeFrames_ {
+class LargeFramesCase {
  public:
   static constexpr std::string_view summary = "a queue under a lock whose pop needs much stack";
   static constexpr Claims claims{.survives_no_memory = false};
 
-  LargeFrames_(unsigned workers, std::size_t capacity) : tasks_(workers, capacity) {}
+  LargeFramesCase(unsigned workers, std::size_t capacity) : tasks_(workers, capacity) {}
 
   bool push(unsigned worker, T task) { return tasks_.push(worker, task); }
   bool pop(unsigned worker, T& task) { return walk(worker, task, 0); }
@@ -37,8 +37,8 @@ class LargeFrames_ {
 };
 
 template <class T>
-using EndlessRecursionBug = LargeFrames_<T, true>;
+using EndlessRecursionBug = LargeFramesCase<T, true>;
 template <class T>
-using LargeFrames = LargeFrames_<T, false>;
+using LargeFrames = LargeFramesCase<T, false>;
 
 }  // namespace irt

@@ -16,13 +16,13 @@
 namespace irt {
 
 template <class T, bool grown>
-class LoadTime_ {
+class LoadTimeCase {
  public:
   static constexpr std::string_view summary =
       "a spinlock in memory that was allocated at load time";
   static constexpr Claims claims{.ordering = Ordering::fifo_real_time, .survives_no_memory = false};
 
-  LoadTime_(unsigned /*workers*/, std::size_t /*capacity*/) { assert(!hub.block->busy.load()); }
+  LoadTimeCase(unsigned /*workers*/, std::size_t /*capacity*/) { assert(!hub.block->busy.load()); }
 
   bool push(unsigned /*worker*/, T task) {
     lock();
@@ -74,8 +74,8 @@ class LoadTime_ {
 };
 
 template <class T>
-using LoadTime = LoadTime_<T, false>;
+using LoadTime = LoadTimeCase<T, false>;
 template <class T>
-using LoadTimeGrown = LoadTime_<T, true>;
+using LoadTimeGrown = LoadTimeCase<T, true>;
 
 }  // namespace irt

@@ -12,13 +12,13 @@
 namespace irt {
 
 template <class T, int before>
-class ManySc_ {
+class ManyScCase {
  public:
   static constexpr std::string_view summary = "Peterson's lock after many seq_cst loads";
   static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
 
-  ManySc_(unsigned workers, std::size_t /*capacity*/) : two_(workers <= 2) {}
-  ~ManySc_() {
+  ManyScCase(unsigned workers, std::size_t /*capacity*/) : two_(workers <= 2) {}
+  ~ManyScCase() {
     while (head_ != nullptr) {
       Node* next = head_->next;
       delete head_;
@@ -85,12 +85,12 @@ class ManySc_ {
 };
 
 template <class T>
-class ManySc : public ManySc_<T, 200> {
-  using ManySc_<T, 200>::ManySc_;
+class ManySc : public ManyScCase<T, 200> {
+  using ManyScCase<T, 200>::ManyScCase;
 };
 template <class T>
-class FewSc : public ManySc_<T, 0> {
-  using ManySc_<T, 0>::ManySc_;
+class FewSc : public ManyScCase<T, 0> {
+  using ManyScCase<T, 0>::ManyScCase;
 };
 
 }  // namespace irt

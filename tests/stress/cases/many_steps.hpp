@@ -13,7 +13,7 @@
 namespace irt {
 
 template <class T, int looks>
-class ManySteps_ {
+class ManyStepsCase {
  public:
   static constexpr std::string_view summary = "a bag whose calls begin with many loads";
   static constexpr Claims claims{.push = Progress::lock_free,
@@ -22,7 +22,7 @@ class ManySteps_ {
                                  .reclamation = Reclamation::preallocated,
                                  .all_ones_reserved = true};
 
-  ManySteps_(unsigned workers, std::size_t capacity) : bag_(workers, capacity) {}
+  ManyStepsCase(unsigned workers, std::size_t capacity) : bag_(workers, capacity) {}
 
   bool push(unsigned worker, T task) {
     look();
@@ -43,12 +43,12 @@ class ManySteps_ {
 };
 
 template <class T>
-class ManySteps : public ManySteps_<T, 2'000> {
-  using ManySteps_<T, 2'000>::ManySteps_;
+class ManySteps : public ManyStepsCase<T, 2'000> {
+  using ManyStepsCase<T, 2'000>::ManyStepsCase;
 };
 template <class T>
-class FewSteps : public ManySteps_<T, 2> {
-  using ManySteps_<T, 2>::ManySteps_;
+class FewSteps : public ManyStepsCase<T, 2> {
+  using ManyStepsCase<T, 2>::ManyStepsCase;
 };
 
 }  // namespace irt

@@ -54,18 +54,18 @@ class NarrowIndexOf {
 };
 
 template <class T, bool Fixed>
-class NarrowIndex_
+class NarrowIndexCase
     : public NarrowIndexOf<T, std::conditional_t<Fixed, std::uint64_t, std::uint8_t>> {
   using NarrowIndexOf<T, std::conditional_t<Fixed, std::uint64_t, std::uint8_t>>::NarrowIndexOf;
 };
 
 template <class T>
-class NarrowIndexBug : public NarrowIndex_<T, false> {
-  using NarrowIndex_<T, false>::NarrowIndex_;
+class NarrowIndexBug : public NarrowIndexCase<T, false> {
+  using NarrowIndexCase<T, false>::NarrowIndexCase;
 };
 template <class T>
-class NarrowIndexFixed : public NarrowIndex_<T, true> {
-  using NarrowIndex_<T, true>::NarrowIndex_;
+class NarrowIndexFixed : public NarrowIndexCase<T, true> {
+  using NarrowIndexCase<T, true>::NarrowIndexCase;
 };
 /// The same at the width of iceoryx2#986.
 template <class T>

@@ -13,7 +13,7 @@
 namespace irt {
 
 template <class T, bool fixed>
-class NeverWritten_ {
+class NeverWrittenCase {
  public:
   static constexpr std::string_view summary = "a ring with a mark beside each element";
   static constexpr Claims claims{.ordering = Ordering::fifo_happens_before,
@@ -22,7 +22,7 @@ class NeverWritten_ {
                                  .consumers = Callers::one,
                                  .reclamation = Reclamation::preallocated};
 
-  NeverWritten_(unsigned /*workers*/, std::size_t capacity)
+  NeverWrittenCase(unsigned /*workers*/, std::size_t capacity)
       : size_(capacity + 1), places_(new Place[size_]) {}  // not initialised, on purpose
 
   bool push(unsigned /*worker*/, T task) {
@@ -58,12 +58,12 @@ class NeverWritten_ {
 };
 
 template <class T>
-class NeverWrittenBug : public NeverWritten_<T, false> {
-  using NeverWritten_<T, false>::NeverWritten_;
+class NeverWrittenBug : public NeverWrittenCase<T, false> {
+  using NeverWrittenCase<T, false>::NeverWrittenCase;
 };
 template <class T>
-class NeverWrittenFixed : public NeverWritten_<T, true> {
-  using NeverWritten_<T, true>::NeverWritten_;
+class NeverWrittenFixed : public NeverWrittenCase<T, true> {
+  using NeverWrittenCase<T, true>::NeverWrittenCase;
 };
 
 }  // namespace irt

@@ -13,12 +13,12 @@
 namespace irt {
 
 template <class T, bool Fixed>
-class NotifiedTwice_ {
+class NotifiedTwiceCase {
  public:
   static constexpr std::string_view summary = "a line of waiters; pop parks (tiflash#3647)";
   static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
 
-  NotifiedTwice_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  NotifiedTwiceCase(unsigned /*workers*/, std::size_t /*capacity*/) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -77,12 +77,12 @@ class NotifiedTwice_ {
 };
 
 template <class T>
-class NotifiedTwiceBug : public NotifiedTwice_<T, false> {
-  using NotifiedTwice_<T, false>::NotifiedTwice_;
+class NotifiedTwiceBug : public NotifiedTwiceCase<T, false> {
+  using NotifiedTwiceCase<T, false>::NotifiedTwiceCase;
 };
 template <class T>
-class NotifiedTwiceFixed : public NotifiedTwice_<T, true> {
-  using NotifiedTwice_<T, true>::NotifiedTwice_;
+class NotifiedTwiceFixed : public NotifiedTwiceCase<T, true> {
+  using NotifiedTwiceCase<T, true>::NotifiedTwiceCase;
 };
 
 }  // namespace irt

@@ -14,14 +14,14 @@
 namespace irt {
 
 template <class T, bool Fixed, Ordering order>
-class OneShort_ {
+class OneShortCase {
  public:
   static constexpr std::string_view summary =
       "a ring under a lock, one place unused (esphome#14892)";
   static constexpr Claims claims{
       .ordering = order, .bounded = true, .reclamation = Reclamation::preallocated};
 
-  OneShort_(unsigned /*workers*/, std::size_t capacity) : slots_(capacity + (Fixed ? 1 : 0)) {}
+  OneShortCase(unsigned /*workers*/, std::size_t capacity) : slots_(capacity + (Fixed ? 1 : 0)) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -48,20 +48,20 @@ class OneShort_ {
 };
 
 template <class T>
-class OneShortBug : public OneShort_<T, false, Ordering::fifo_real_time> {
-  using OneShort_<T, false, Ordering::fifo_real_time>::OneShort_;
+class OneShortBug : public OneShortCase<T, false, Ordering::fifo_real_time> {
+  using OneShortCase<T, false, Ordering::fifo_real_time>::OneShortCase;
 };
 template <class T>
-class OneShortFixed : public OneShort_<T, true, Ordering::fifo_real_time> {
-  using OneShort_<T, true, Ordering::fifo_real_time>::OneShort_;
+class OneShortFixed : public OneShortCase<T, true, Ordering::fifo_real_time> {
+  using OneShortCase<T, true, Ordering::fifo_real_time>::OneShortCase;
 };
 template <class T>
-class OneShortProducersBug : public OneShort_<T, false, Ordering::per_producer_fifo> {
-  using OneShort_<T, false, Ordering::per_producer_fifo>::OneShort_;
+class OneShortProducersBug : public OneShortCase<T, false, Ordering::per_producer_fifo> {
+  using OneShortCase<T, false, Ordering::per_producer_fifo>::OneShortCase;
 };
 template <class T>
-class OneShortUnorderedBug : public OneShort_<T, false, Ordering::unordered> {
-  using OneShort_<T, false, Ordering::unordered>::OneShort_;
+class OneShortUnorderedBug : public OneShortCase<T, false, Ordering::unordered> {
+  using OneShortCase<T, false, Ordering::unordered>::OneShortCase;
 };
 
 }  // namespace irt

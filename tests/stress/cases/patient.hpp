@@ -16,13 +16,13 @@
 namespace irt {
 
 template <class T, int looks>
-class Patient_ {
+class PatientCase {
  public:
   static constexpr std::string_view summary = "a bag whose pop looks many times at each place";
   static constexpr Claims claims{
       .bounded = true, .reclamation = Reclamation::preallocated, .all_ones_reserved = true};
 
-  Patient_(unsigned /*workers*/, std::size_t capacity)
+  PatientCase(unsigned /*workers*/, std::size_t capacity)
       : places_(std::max<std::size_t>(capacity, 1)) {}
 
   bool push(unsigned /*worker*/, T task) {
@@ -51,8 +51,8 @@ class Patient_ {
 };
 
 template <class T>
-class Patient : public Patient_<T, 4'000> {
-  using Patient_<T, 4'000>::Patient_;
+class Patient : public PatientCase<T, 4'000> {
+  using PatientCase<T, 4'000>::PatientCase;
 };
 
 }  // namespace irt

@@ -15,7 +15,7 @@
 namespace irt {
 
 template <class T, bool Fixed>
-class SharedLine_ {
+class SharedLineCase {
  public:
   static constexpr std::string_view summary =
       "ring with a turn per place, head and tail on one line (aeron#1915)";
@@ -23,7 +23,7 @@ class SharedLine_ {
                                  .bounded = true,
                                  .reclamation = Reclamation::preallocated};
 
-  SharedLine_(unsigned /*workers*/, std::size_t capacity)
+  SharedLineCase(unsigned /*workers*/, std::size_t capacity)
       : places_(std::bit_ceil(std::max<std::size_t>(capacity, 2))) {
     for (std::size_t i = 0; i < places_.size(); ++i) places_[i].turn.store(i);
   }
@@ -75,12 +75,12 @@ class SharedLine_ {
 };
 
 template <class T>
-class SharedLineBug : public SharedLine_<T, false> {
-  using SharedLine_<T, false>::SharedLine_;
+class SharedLineBug : public SharedLineCase<T, false> {
+  using SharedLineCase<T, false>::SharedLineCase;
 };
 template <class T>
-class SharedLineFixed : public SharedLine_<T, true> {
-  using SharedLine_<T, true>::SharedLine_;
+class SharedLineFixed : public SharedLineCase<T, true> {
+  using SharedLineCase<T, true>::SharedLineCase;
 };
 
 }  // namespace irt

@@ -18,13 +18,13 @@ namespace irt {
 enum class Link { top, low, inside, lost };
 
 template <class T, Link how>
-class Tagged_ {
+class TaggedCase {
  public:
   static constexpr std::string_view summary =
       "a registry of blocks reached through tagged pointers";
   static constexpr Claims claims{.ordering = Ordering::fifo_real_time};
 
-  Tagged_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  TaggedCase(unsigned /*workers*/, std::size_t /*capacity*/) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -88,20 +88,20 @@ class Tagged_ {
 };
 
 template <class T>
-class TaggedTop : public Tagged_<T, Link::top> {
-  using Tagged_<T, Link::top>::Tagged_;
+class TaggedTop : public TaggedCase<T, Link::top> {
+  using TaggedCase<T, Link::top>::TaggedCase;
 };
 template <class T>
-class TaggedLow : public Tagged_<T, Link::low> {
-  using Tagged_<T, Link::low>::Tagged_;
+class TaggedLow : public TaggedCase<T, Link::low> {
+  using TaggedCase<T, Link::low>::TaggedCase;
 };
 template <class T>
-class TaggedInside : public Tagged_<T, Link::inside> {
-  using Tagged_<T, Link::inside>::Tagged_;
+class TaggedInside : public TaggedCase<T, Link::inside> {
+  using TaggedCase<T, Link::inside>::TaggedCase;
 };
 template <class T>
-class TaggedBug : public Tagged_<T, Link::lost> {
-  using Tagged_<T, Link::lost>::Tagged_;
+class TaggedBug : public TaggedCase<T, Link::lost> {
+  using TaggedCase<T, Link::lost>::TaggedCase;
 };
 
 }  // namespace irt

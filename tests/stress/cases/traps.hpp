@@ -15,12 +15,12 @@ namespace irt {
 enum class Trap { none, instruction, division, breakpoint };
 
 template <class T, Trap trap>
-class Traps_ {
+class TrapsCase {
  public:
   static constexpr std::string_view summary = "a bag under a lock that traps where it is empty";
   static constexpr Claims claims{};
 
-  Traps_(unsigned /*workers*/, std::size_t /*capacity*/) {}
+  TrapsCase(unsigned /*workers*/, std::size_t /*capacity*/) {}
 
   bool push(unsigned /*worker*/, T task) {
     const std::lock_guard lock(mutex_);
@@ -54,20 +54,20 @@ class Traps_ {
 };
 
 template <class T>
-struct TrapsBug : Traps_<T, Trap::instruction> {
-  using Traps_<T, Trap::instruction>::Traps_;
+struct TrapsBug : TrapsCase<T, Trap::instruction> {
+  using TrapsCase<T, Trap::instruction>::TrapsCase;
 };
 template <class T>
-struct DividesBug : Traps_<T, Trap::division> {
-  using Traps_<T, Trap::division>::Traps_;
+struct DividesBug : TrapsCase<T, Trap::division> {
+  using TrapsCase<T, Trap::division>::TrapsCase;
 };
 template <class T>
-struct BreaksBug : Traps_<T, Trap::breakpoint> {
-  using Traps_<T, Trap::breakpoint>::Traps_;
+struct BreaksBug : TrapsCase<T, Trap::breakpoint> {
+  using TrapsCase<T, Trap::breakpoint>::TrapsCase;
 };
 template <class T>
-struct TrapsFixed : Traps_<T, Trap::none> {
-  using Traps_<T, Trap::none>::Traps_;
+struct TrapsFixed : TrapsCase<T, Trap::none> {
+  using TrapsCase<T, Trap::none>::TrapsCase;
 };
 
 }  // namespace irt

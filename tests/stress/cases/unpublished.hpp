@@ -16,13 +16,13 @@
 namespace irt {
 
 template <class T, std::memory_order order>
-class Unpublished_ {
+class UnpublishedCase {
  public:
   static constexpr std::string_view summary = "a bag that hands over by one exchange";
   static constexpr Claims claims{
       .bounded = true, .reclamation = Reclamation::preallocated, .all_ones_reserved = true};
 
-  Unpublished_(unsigned /*workers*/, std::size_t capacity)
+  UnpublishedCase(unsigned /*workers*/, std::size_t capacity)
       : places_(std::max<std::size_t>(capacity, 1)) {}
 
   bool push(unsigned /*worker*/, T task) {
@@ -49,12 +49,12 @@ class Unpublished_ {
 };
 
 template <class T>
-class UnpublishedBug : public Unpublished_<T, std::memory_order_relaxed> {
-  using Unpublished_<T, std::memory_order_relaxed>::Unpublished_;
+class UnpublishedBug : public UnpublishedCase<T, std::memory_order_relaxed> {
+  using UnpublishedCase<T, std::memory_order_relaxed>::UnpublishedCase;
 };
 template <class T>
-class UnpublishedFixed : public Unpublished_<T, std::memory_order_acq_rel> {
-  using Unpublished_<T, std::memory_order_acq_rel>::Unpublished_;
+class UnpublishedFixed : public UnpublishedCase<T, std::memory_order_acq_rel> {
+  using UnpublishedCase<T, std::memory_order_acq_rel>::UnpublishedCase;
 };
 
 }  // namespace irt

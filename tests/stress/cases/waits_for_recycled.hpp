@@ -15,7 +15,7 @@
 namespace irt {
 
 template <class T, bool Fixed, int writes_before = 0>
-class WaitsForRecycled_ {
+class WaitsForRecycledCase {
  public:
   static constexpr std::string_view summary =
       "linked list in an array, head and tail in one word (odp#1639)";
@@ -25,7 +25,7 @@ class WaitsForRecycled_ {
                                  .bounded = true,
                                  .reclamation = Reclamation::free_list};
 
-  WaitsForRecycled_(unsigned /*workers*/, std::size_t capacity)
+  WaitsForRecycledCase(unsigned /*workers*/, std::size_t capacity)
       : nodes_(std::max<std::size_t>(capacity, 1)) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) give(i);
   }
@@ -113,23 +113,23 @@ class WaitsForRecycled_ {
 };
 
 template <class T>
-class WaitsForRecycledBug : public WaitsForRecycled_<T, false> {
-  using WaitsForRecycled_<T, false>::WaitsForRecycled_;
+class WaitsForRecycledBug : public WaitsForRecycledCase<T, false> {
+  using WaitsForRecycledCase<T, false>::WaitsForRecycledCase;
 };
 template <class T>
-class WaitsForRecycledFixed : public WaitsForRecycled_<T, true> {
-  using WaitsForRecycled_<T, true>::WaitsForRecycled_;
+class WaitsForRecycledFixed : public WaitsForRecycledCase<T, true> {
+  using WaitsForRecycledCase<T, true>::WaitsForRecycledCase;
 };
 
 /// The bug again, with a statistic written before the loop: to see what the checker makes of that.
 template <class T>
-class WaitsForRecycledCountedBug : public WaitsForRecycled_<T, false, 1> {
-  using WaitsForRecycled_<T, false, 1>::WaitsForRecycled_;
+class WaitsForRecycledCountedBug : public WaitsForRecycledCase<T, false, 1> {
+  using WaitsForRecycledCase<T, false, 1>::WaitsForRecycledCase;
 };
 /// And with a plain store there.
 template <class T>
-class WaitsForRecycledStoredBug : public WaitsForRecycled_<T, false, 2> {
-  using WaitsForRecycled_<T, false, 2>::WaitsForRecycled_;
+class WaitsForRecycledStoredBug : public WaitsForRecycledCase<T, false, 2> {
+  using WaitsForRecycledCase<T, false, 2>::WaitsForRecycledCase;
 };
 
 }  // namespace irt

@@ -464,6 +464,7 @@ std::optional<Calls> by_happens_before(const Sample& sample) {
     if (before[a][a]) return std::nullopt;
   std::ranges::stable_sort(stand, [&](std::size_t a, std::size_t b) { return past(a) < past(b); });
   std::vector<Call> calls;
+  calls.reserve(stand.size());
   for (const std::size_t i : stand) calls.push_back(sample.calls[i]);
   return ordered(calls, sample.history.drain.size(),
                  [&](std::size_t a, std::size_t b) { return bool(before[stand[a]][stand[b]]); });

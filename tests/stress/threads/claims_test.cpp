@@ -108,10 +108,10 @@ TEST(ClaimsOnThreads, KnowsQueuesThatTakeNoElements) {
 
 /// Answers empty to a worker who then finds what had been inside.
 template <class T>
-class HalfBlindToItself : public HalfBlind_<T, false> {
+class HalfBlindToItself : public HalfBlindCase<T, false> {
  public:
   static constexpr Claims claims{.bounded = true, .empty = Answer::this_worker};
-  using HalfBlind_<T, false>::HalfBlind_;
+  using HalfBlindCase<T, false>::HalfBlindCase;
 };
 
 TEST(ClaimsOnThreads, FindsAnswersThatNothingExcuses) {

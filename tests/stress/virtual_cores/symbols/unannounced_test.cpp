@@ -9,7 +9,7 @@ namespace {
 
 std::vector<std::string> found(std::vector<std::string> lines, bool results_on_stack = false) {
   for (std::string& line : lines)
-    if (!line.ends_with(">:") && !line.starts_with("Dis")) line = "    " + line;
+    if (!line.ends_with(">:") && !line.starts_with("Dis")) line.insert(0, "    ");
   lines.insert(lines.begin(), "Disassembly of section .text:");
   std::vector<std::string> sections{"  5 .data  00000010  0000000000004000  CONTENTS",
                                     "  6 .rodata  00000010  0000000000003000  CONTENTS"};
