@@ -120,6 +120,7 @@ std::vector<std::filesystem::path> modules_of(const std::vector<std::string>& qu
                                               const virtual_cores::QueueModules& modules) {
   modules.prepare(queues);
   std::vector<std::filesystem::path> files;
+  files.reserve(queues.size());
   for (const std::string& queue : queues) files.push_back(modules.at(queue));
   return files;
 }

@@ -69,6 +69,7 @@ class Report : public testing::Test {
 
 std::vector<checker::Row> rows(const std::vector<std::string>& texts) {
   std::vector<checker::Row> result;
+  result.reserve(texts.size());
   for (const std::string& text : texts) result.push_back({0, text, text.substr(0, 1)});
   return result;
 }
@@ -124,8 +125,9 @@ TEST_F(Report, shows_who_allocated_and_freed_what_is_freed_twice_or_used_after) 
                   {"int* const mine = new int(5);  allocated", "shared.store release <- &1",
                    "delete mine;  freed", "^ used later at line #", "shared.load acquire = &1",
                    "plain read", "^ of memory that was freed at", "Blocks of the heap:",
-                   "&1   # bytes, allocated at report_probe.cpp:# by thread 0"
-                   ", freed at report_probe.cpp:# by thread 0"});
+                   // NOLINTNEXTLINE(bugprone-suspicious-missing-comma)
+                   "&1   # bytes, allocated at report_probe.cpp:# by thread 0, freed at "
+                   "report_probe.cpp:# by thread 0"});
 }
 
 TEST_F(Report, says_where_each_thread_stands) {
