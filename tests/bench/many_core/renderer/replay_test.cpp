@@ -32,6 +32,7 @@ Recording frame_of(std::uint32_t roots, float task_ns) {
 RendererSweep options_for(std::vector<std::string> queues, std::vector<unsigned> cores) {
   const virtual_cores::QueueModules known;
   std::vector<std::filesystem::path> modules;
+  modules.reserve(queues.size());
   for (const std::string& queue : queues) modules.push_back(*known.find(queue));
   return {.queues = std::move(queues),
           .cores = std::move(cores),
