@@ -11,6 +11,7 @@
 
 #include "bench/contention/busy_wait.hpp"
 #include "bench/counted/atomic_events.hpp"
+#include "bench/results/order_of_elements.hpp"
 
 namespace irt {
 
@@ -66,16 +67,6 @@ struct Times {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Times, buckets, max)
 
-/// How far the order of elements strays from that of their pushes, see stress::Relaxation.
-struct OrderOfElements {
-  std::uint64_t operations = 0;  ///< that were logged
-  double rank_error_mean = 0;
-  std::uint64_t rank_error_p99 = 0, rank_error_max = 0;
-  double pushes_overtaken = 0, pops_overtaken = 0;  ///< shares
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OrderOfElements, operations, rank_error_mean, rank_error_p99,
-                                   rank_error_max, pushes_overtaken, pops_overtaken)
-
 /// All threads of a repetition, over the common interval of `seconds`.
 struct Sample {
   std::string status = "ok";  ///< ok, hung, crashed or failed
@@ -101,7 +92,7 @@ struct Sample {
   Times push_times, pop_times;       ///< of a stamped pass
   AtomicEvents events;               ///< of a counted pass, warm-up included, as are
   std::uint64_t all_operations = 0;  ///< these: pushes and pops that succeeded
-  OrderOfElements order;             ///< of a logged pass
+  results::OrderOfElements order;    ///< of a logged pass
 
   [[nodiscard]] std::uint64_t operations() const { return pushes + pops; }
 };

@@ -15,7 +15,6 @@
 #include "bench/contention/placement.hpp"
 #include "bench/contention/resources.hpp"
 #include "queues/registry.hpp"
-#include "stress/history/real_time.hpp"
 
 namespace irt::contention {
 namespace {
@@ -287,21 +286,10 @@ class Measurement {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
-  [[nodiscard]] OrderOfElements order() {
-    std::vector<std::vector<stress::Operation>> logs;
+  [[nodiscard]] results::OrderOfElements order() {
+    std::vector<std::vector<stress::Operation>> logs{std::move(prefill_)};
     for (const auto& seat : seats_) logs.push_back(std::move(seat->log));
-    logs.push_back(std::move(prefill_));
-    OrderOfElements found;
-    for (const auto& log : logs) found.operations += log.size();
-    const stress::History history = stress::distinct(std::move(logs), clock_error_);
-    const auto [rank_error, overtaken, worst, pushes, pops] =
-        stress::measure_relaxation(stress::Matching(history));
-    found.rank_error_mean = rank_error.mean;
-    found.rank_error_p99 = rank_error.p99;
-    found.rank_error_max = rank_error.max;
-    found.pushes_overtaken = pushes;
-    found.pops_overtaken = pops;
-    return found;
+    return results::order_of(std::move(logs), clock_error_);
   }
 
   void turn() {

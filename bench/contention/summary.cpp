@@ -8,6 +8,7 @@
 
 #include "bench/conditions/conditions.hpp"
 #include "bench/contention/histogram.hpp"
+#include "bench/results/order_of_elements.hpp"
 #include "bench/results/record.hpp"
 #include "bench/statistics/averages.hpp"
 
@@ -18,10 +19,11 @@ using Json = nlohmann::ordered_json;
 
 /// All repetitions of one row.
 struct Group {
-  std::vector<Sample> plain, stamped, logged;  ///< those that are ok
-  std::vector<unsigned> rounds;                ///< the repetitions of `plain`
-  const Sample* worst = nullptr;               ///< one that is not
-  const Sample* counted = nullptr;             ///< of the counting build, whatever became of it
+  std::vector<Sample> plain, stamped;            ///< those that are ok
+  std::vector<results::OrderOfElements> orders;  ///< of those that are logged
+  std::vector<unsigned> rounds;                  ///< the repetitions of `plain`
+  const Sample* worst = nullptr;                 ///< one that is not
+  const Sample* counted = nullptr;               ///< of the counting build, whatever became of it
 };
 
 Json or_null(std::optional<double> value) {
@@ -101,18 +103,6 @@ Json events_of(const Sample* counted) {
           {"atomic_stores_per_operation", share(events.stores)}};
 }
 
-/// The mean over the logged repetitions; null where there are none.
-template <class Figure>
-Json of_order(const std::vector<Sample>& logged, Figure OrderOfElements::*which) {
-  return or_null(mean_of(
-      logged, [which](const Sample& sample) { return static_cast<double>(sample.order.*which); }));
-}
-Json largest_rank_error(const std::vector<Sample>& logged) {
-  if (logged.empty()) return nullptr;
-  const auto of = [](const Sample& sample) { return sample.order.rank_error_max; };
-  return of(*std::ranges::max_element(logged, {}, of));
-}
-
 /// Why a run has no figures of the counting build; null where it has.
 Json not_counted(const Row& row, const Group& group) {
   if (!row.not_countable.empty()) return row.not_countable;
@@ -150,7 +140,7 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
   const std::string placement = bound_text(row, group);
   conditions["pinning"] = placement;
   const Json counted = events_of(group.counted);
-  return results::record({
+  Json run = results::record({
       {"kind", "contention"},
       {"source", "measured"},
       {"queue", row.queue},
@@ -190,12 +180,6 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"retries_per_operation", counted.is_null() ? Json() : counted["retries_per_operation"]},
       {"counted", counted},
       {"not_counted", not_counted(row, group)},
-      {"rank_error_mean", of_order(group.logged, &OrderOfElements::rank_error_mean)},
-      {"rank_error_p99", of_order(group.logged, &OrderOfElements::rank_error_p99)},
-      {"rank_error_max", largest_rank_error(group.logged)},
-      {"pushes_overtaken", of_order(group.logged, &OrderOfElements::pushes_overtaken)},
-      {"pops_overtaken", of_order(group.logged, &OrderOfElements::pops_overtaken)},
-      {"order_operations", of_order(group.logged, &OrderOfElements::operations)},
       {"context_switches_per_second", rate(&Sample::context_switches)},
       {"memory_peak_bytes",
        mean_figure([](const Sample& s) { return static_cast<double>(s.memory_peak_bytes); })},
@@ -207,6 +191,8 @@ Json run_of(const Plan& plan, const Row& row, const Group& group, const Calibrat
       {"seed", plan.seed},
       {"conditions", conditions},
   });
+  results::add_order(run, group.orders);
+  return run;
 }
 
 }  // namespace
@@ -224,7 +210,7 @@ nlohmann::ordered_json summarise(const Plan& plan, std::span<const Row> rows,
     } else if (result.pass == Pass::stamped) {
       group.stamped.push_back(result.sample);
     } else if (result.pass == Pass::logged) {
-      group.logged.push_back(result.sample);
+      group.orders.push_back(result.sample.order);
     } else {
       group.plain.push_back(result.sample);
       group.rounds.push_back(result.repetition);

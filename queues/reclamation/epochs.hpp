@@ -64,7 +64,7 @@ class Epochs {
       for (int bags = 0; bags < 3; ++bags) free(0, worker.limbo.change());
   }
 
-  class Guard {
+  class Guard : public ProtectsAll<Node> {
    public:
     Guard(Epochs& all, unsigned worker) : all_(all), worker_(worker) { all_.enter(worker_); }
     Guard(const Guard&) = delete;
@@ -79,13 +79,6 @@ class Epochs {
     Node* protect(const std::atomic<Node*>& source) const {
       // seq_cst: either this finds `source` changed, or who changed it finds the announcement
       return source.load(std::memory_order_seq_cst);
-    }
-
-    /// Always true: whatever can be come to is safe. Wait-free.
-    template <std::size_t place>
-    bool try_protect(Node* /*node*/, const std::atomic<Node*>& /*source*/,
-                     const Node* /*expected*/) const {
-      return true;
     }
 
     /// Frees `node` in the third epoch from now. Wait-free.

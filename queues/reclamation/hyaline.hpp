@@ -71,7 +71,7 @@ class Hyaline {
     for (Worker& worker : workers_) free(0, worker.retired);
   }
 
-  class Guard {
+  class Guard : public ProtectsAll<Node> {
    public:
     Guard(Hyaline& all, unsigned worker) : all_(all), worker_(worker) {
       // (1) seq_cst: together with protect() pairs with the fence in hand_out(), so that either (3)
@@ -87,13 +87,6 @@ class Hyaline {
     Node* protect(const std::atomic<Node*>& source) const {
       // seq_cst: see (1)
       return source.load(std::memory_order_seq_cst);
-    }
-
-    /// Always true: whatever can be come to is safe. Wait-free.
-    template <std::size_t place>
-    bool try_protect(Node* /*node*/, const std::atomic<Node*>& /*source*/,
-                     const Node* /*expected*/) const {
-      return true;
     }
 
     /// Frees `node` when all who are inside at the end of this operation, or a later one, have

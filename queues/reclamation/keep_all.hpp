@@ -26,20 +26,13 @@ class KeepAll {
 
   KeepAll(unsigned workers, std::size_t batch) : nodes_(workers, batch) {}
 
-  class Guard {
+  class Guard : public ProtectsAll<Node> {
    public:
     /// The node that `source` holds. Wait-free.
     template <std::size_t place>
     Node* protect(const std::atomic<Node*>& source) const {
       // (1) acquire: pairs with the releases that move head and tail in michael_scott_queue.hpp
       return source.load(std::memory_order_acquire);
-    }
-
-    /// Always true. Wait-free.
-    template <std::size_t place>
-    bool try_protect(Node* /*node*/, const std::atomic<Node*>& /*source*/,
-                     const Node* /*expected*/) const {
-      return true;
     }
 
     /// Nothing. Wait-free.

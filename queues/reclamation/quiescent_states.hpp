@@ -60,7 +60,7 @@ class QuiescentStates {
   }
 
   /// Between one guard's end and the next one's begin a worker is quiescent.
-  class Guard {
+  class Guard : public ProtectsAll<Node> {
    public:
     Guard(QuiescentStates& all, unsigned worker) : all_(all), worker_(worker) {
       Worker& mine = all_.workers_[worker_];
@@ -75,13 +75,6 @@ class QuiescentStates {
     Node* protect(const std::atomic<Node*>& source) const {
       // (1) acquire: pairs with the releases that move head and tail in michael_scott_queue.hpp
       return source.load(std::memory_order_acquire);
-    }
-
-    /// Always true: whatever can be come to is safe. Wait-free.
-    template <std::size_t place>
-    bool try_protect(Node* /*node*/, const std::atomic<Node*>& /*source*/,
-                     const Node* /*expected*/) const {
-      return true;
     }
 
     /// Frees `node` in the third epoch from now. Wait-free.

@@ -40,6 +40,7 @@
 /// is still in the structure is for the structure to discard.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <limits>
 #include <utility>
@@ -84,6 +85,17 @@ constexpr bool suits() {
                 "check versions: it would take the new node for the old one (ABA)");
   return true;
 }
+
+/// Of a guard that protects whatever its operation can come to.
+template <class Node>
+struct ProtectsAll {
+  /// Always true. Wait-free.
+  template <std::size_t place>
+  static bool try_protect(Node* /*node*/, const std::atomic<Node*>& /*source*/,
+                          const Node* /*expected*/) {
+    return true;
+  }
+};
 
 /// A node from the allocator, and back to it.
 ///

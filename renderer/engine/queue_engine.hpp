@@ -136,7 +136,7 @@ FrameStats QueueEngine<Queue, measured, traced>::run(Application& application) {
     const Pinned pinned(shared_.options.pin, 0);
     barrier_.arrive_and_wait();  // releases the other render threads
     workers_.front()->work();
-    leave(*shared_.queue, 0);
+    leave(*shared_.queue, 0);    // this thread may do other things than make frames
     barrier_.arrive_and_wait();  // the frame is finished
   }
   const Clock::time_point rendered = Clock::now();

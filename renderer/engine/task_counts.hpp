@@ -24,7 +24,7 @@ class TaskCounts {
 
   /// Opens a frame that starts with so many tasks. While no thread works; a barrier publishes it.
   void open(std::size_t tasks) {
-    // Relaxed, all: see above.
+    // Relaxed, all: no thread works.
     for (OfThread& thread : threads_) {
       thread.made.store(0, std::memory_order_relaxed);
       thread.done.store(0, std::memory_order_relaxed);

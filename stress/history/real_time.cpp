@@ -222,29 +222,23 @@ Distances summarise(std::vector<std::uint64_t>& values) {
   return d;
 }
 
-/// Of all lives that left, the share of which `overtaken` is true.
-template <class Predicate>
-double share_of(const std::vector<const Life*>& lives, Predicate overtaken) {
-  if (lives.empty()) return 0;
-  return static_cast<double>(std::ranges::count_if(lives, overtaken)) /
-         static_cast<double>(lives.size());
-}
-
-/// For each life in the order of `begin`: has any life whose `end` came surely before a `begun`
-/// that is surely later than its own?
+/// The share of lives with `begin` after the `end` of another one whose `begun` is later than their
+/// own, both surely.
 template <class Begin, class End, class Begun>
 double share_passed(std::vector<const Life*> lives, Stamp slack, Begin begin, End end,
                     Begun begun) {
+  if (lives.empty()) return 0;
   std::vector<const Life*> by_end = lives;
   std::ranges::sort(by_end, {}, end);
   std::ranges::sort(lives, {}, begin);
   auto before = by_end.begin();
   Stamp latest = 0;
-  return share_of(lives, [&](const Life* life) {
+  const auto passed = std::ranges::count_if(lives, [&](const Life* life) {
     for (; before != by_end.end() && end(*before) + slack < begin(life); ++before)
       latest = std::max(latest, begun(*before));
     return latest > begun(life) + slack;
   });
+  return static_cast<double>(passed) / static_cast<double>(lives.size());
 }
 
 }  // namespace

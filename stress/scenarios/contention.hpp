@@ -192,7 +192,6 @@ template <class Hand>
     if (!hand.meet()) return;
     unsigned taken = 0;
     while (hand.leads() && hand.running() && hand.pop()) ++taken;
-    if (!hand.meet()) return;
     while (taken > 0 && hand.push()) --taken;
     if (!hand.meet()) return;
     while (hand.running() && hand.pop()) hand.work();

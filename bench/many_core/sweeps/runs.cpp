@@ -4,6 +4,7 @@
 #include <array>
 #include <fmt/format.h>
 
+#include "bench/results/order_of_elements.hpp"
 #include "bench/results/record.hpp"
 #include "bench/statistics/averages.hpp"
 #include "renderer/engine/time_histogram.hpp"
@@ -106,15 +107,9 @@ Json summarise(const Profile& profile, const Point& point,
       waiting[cause] = all / n;
     }
   }
-  // Null where one has none.
-  const auto of_order = [&](const char* key, bool largest = false) -> Json {
-    std::vector<double> each;
-    for (const nlohmann::json& result : results) {
-      if (!ok || result["order"].is_null()) return nullptr;
-      each.push_back(result["order"][key]);
-    }
-    return largest ? std::ranges::max(each) : statistics::mean(each);
-  };
+  std::vector<results::OrderOfElements> orders;
+  for (const nlohmann::json& result : results)
+    if (ok && !result["order"].is_null()) orders.push_back(result["order"]);
   const auto if_ok = [ok](const Json& figure) { return ok ? figure : Json(); };
   results::add(run,
                {
@@ -128,12 +123,6 @@ Json summarise(const Profile& profile, const Point& point,
                    {"latency_ns",
                     ok ? Json{{"push", latency(results, "push")}, {"pop", latency(results, "pop")}}
                        : Json()},
-                   {"rank_error_mean", of_order("rank_error_mean")},
-                   {"rank_error_p99", of_order("rank_error_p99")},
-                   {"rank_error_max", of_order("rank_error_max", true)},
-                   {"pushes_overtaken", of_order("pushes_overtaken")},
-                   {"pops_overtaken", of_order("pops_overtaken")},
-                   {"order_operations", of_order("order_operations")},
                    {"transfers_per_operation", if_ok(per(sum("transfers"), operations))},
                    {"cas_failures_per_success", if_ok(per(sum("failed_swaps"), sum("swaps")))},
                    {"sleeps_per_operation", if_ok(per(sum("sleeps"), operations))},
@@ -149,6 +138,7 @@ Json summarise(const Profile& profile, const Point& point,
                    {"claims", nullptr},
                    {"allocator", "glibc, modelled"},
                });
+  results::add_order(run, orders);
   return run;
 }
 

@@ -11,10 +11,10 @@
 
 #include "bench/many_core/workloads/contended.hpp"
 #include "bench/many_core/workloads/hot_lines.hpp"
+#include "bench/results/order_of_elements.hpp"
 #include "queues/split_mix.hpp"
 #include "queues/work_queue.hpp"
 #include "renderer/engine/time_histogram.hpp"
-#include "stress/history/real_time.hpp"
 #include "stress/virtual_cores/queue_modules.hpp"
 
 namespace irt::many_core {
@@ -395,13 +395,7 @@ nlohmann::json Run::order() {
   if (queues_.size() != 1 || !entry_->claims.carries_elements) return nullptr;
   std::vector<std::vector<stress::Operation>> logs{std::move(prefill_)};
   for (Worker& worker : workers_) logs.push_back(std::move(worker.log));
-  const stress::History history = stress::distinct(std::move(logs), 0);
-  const stress::Relaxation found = stress::measure_relaxation(stress::Matching(history));
-  std::size_t operations = 0;
-  for (const auto& log : history.logs) operations += log.size();
-  return {{"rank_error_mean", found.rank_error.mean}, {"rank_error_p99", found.rank_error.p99},
-          {"rank_error_max", found.rank_error.max},   {"pushes_overtaken", found.pushes_overtaken},
-          {"pops_overtaken", found.pops_overtaken},   {"order_operations", operations}};
+  return results::order_of(std::move(logs), 0);
 }
 
 nlohmann::json Run::result(const Ending& ending, bool explain) {

@@ -136,7 +136,7 @@ TEST(Simulator, order_is_that_of_all_operations) {
     EXPECT_EQ(order["rank_error_max"], 0) << name;
     EXPECT_GT(order["pushes_overtaken"], 0) << name << ": of pushes that overlap none was passed";
     EXPECT_LT(order["pushes_overtaken"], 0.9) << name;
-    EXPECT_GT(order["order_operations"], 100) << name;
+    EXPECT_GT(order["operations"], 100) << name;
   }
   EXPECT_GT(run(queue("local", "rush", 8))["order"]["rank_error_mean"], 0);
   EXPECT_EQ(run(queue("lock", "ping-pong", 8))["order"], nullptr) << "there are two queues";
