@@ -225,15 +225,15 @@ Distances summarise(std::vector<std::uint64_t>& values) {
 /// The share of lives with `begin` after the `end` of another one whose `begun` is later than their
 /// own, both surely.
 template <class Begin, class End, class Begun>
-double share_passed(std::vector<const Life*> lives, Stamp slack, Begin begin, End end,
+double share_passed(const std::vector<const Life*>& lives, Stamp slack, Begin begin, End end,
                     Begun begun) {
   if (lives.empty()) return 0;
-  std::vector<const Life*> by_end = lives;
+  std::vector<const Life*> by_begin = lives, by_end = lives;
+  std::ranges::sort(by_begin, {}, begin);
   std::ranges::sort(by_end, {}, end);
-  std::ranges::sort(lives, {}, begin);
   auto before = by_end.begin();
   Stamp latest = 0;
-  const auto passed = std::ranges::count_if(lives, [&](const Life* life) {
+  const auto passed = std::ranges::count_if(by_begin, [&](const Life* life) {
     for (; before != by_end.end() && end(*before) + slack < begin(life); ++before)
       latest = std::max(latest, begun(*before));
     return latest > begun(life) + slack;
